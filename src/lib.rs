@@ -1,0 +1,17 @@
+//! landmarkd: robots ask where they are and what they see; the answer comes with its evidence.
+//!
+//! The crate docs are the map of the house; `ARCHITECTURE.md` walks through it.
+//! Pure mathematics in the middle (`imaging`, `vision`, `eigen`, `recognition`), waiting and talking at
+//! the rim (`store`, `database`, `jobs`, `http`).
+
+pub mod compute;
+pub mod config;
+pub mod database;
+pub mod eigen;
+pub mod http;
+pub mod imaging;
+pub mod jobs;
+pub mod recognition;
+pub mod store;
+pub mod telemetry;
+pub mod vision;
