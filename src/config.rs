@@ -1,1 +1,277 @@
-//! (being written)
+//! Every setting of the service with its unit, default and limit; read once at start.
+//!
+//! Precedence: flag, then environment (`LANDMARKD_…`), then the TOML file named by `--config`, then the
+//! default. This is the only room that reads environment variables (clap does it, from the attributes below).
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
+
+/// How log lines are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LogFormat {
+    /// For people at a terminal.
+    Text,
+    /// One JSON object a line, for log collectors.
+    Json,
+}
+
+/// The settings as given: each may be absent. The same shape is read from flags, environment and TOML.
+#[derive(Debug, Clone, Default, Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GivenSettings {
+    /// Address to listen on. Loopback only, unless --insecure is given [default: 127.0.0.1:8080]
+    #[arg(long, env = "LANDMARKD_BIND", value_name = "ADDRESS")]
+    pub bind: Option<SocketAddr>,
+    /// Folder for the catalogue and the blobs; made if missing [default: ./landmarkd-data]
+    #[arg(long, env = "LANDMARKD_DATA_DIR", value_name = "DIR")]
+    pub data_dir: Option<PathBuf>,
+    /// Threads that compute recognitions [default: one a core]
+    #[arg(long, env = "LANDMARKD_THREADS", value_name = "N")]
+    pub threads: Option<usize>,
+    /// Memory for loaded versions that no alias names, least recently used out first [default: 1024]
+    #[arg(long, env = "LANDMARKD_MEMORY_LIMIT_MB", value_name = "N")]
+    pub memory_limit_mb: Option<u64>,
+    /// Listen on an address other than loopback although nothing asks who is calling
+    #[arg(long, env = "LANDMARKD_INSECURE", num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    pub insecure: Option<bool>,
+    /// How log lines are written [default: text]
+    #[arg(long, env = "LANDMARKD_LOG_FORMAT", value_name = "FORMAT")]
+    pub log_format: Option<LogFormat>,
+    /// Largest body of one request [default: 16]
+    #[arg(long, env = "LANDMARKD_MAX_BODY_MB", value_name = "N")]
+    pub max_body_mb: Option<u64>,
+    /// Longest side of a picture [default: 8192]
+    #[arg(long, env = "LANDMARKD_MAX_SIDE_PX", value_name = "N")]
+    pub max_side_px: Option<u32>,
+    /// Most pixels of a picture, in millions [default: 40]
+    #[arg(long, env = "LANDMARKD_MAX_MEGAPIXELS", value_name = "N")]
+    pub max_megapixels: Option<u64>,
+    /// Most parts or tar entries of one batch [default: 1000]
+    #[arg(long, env = "LANDMARKD_MAX_BATCH_PARTS", value_name = "N")]
+    pub max_batch_parts: Option<usize>,
+    /// Largest body of one batch [default: 512]
+    #[arg(long, env = "LANDMARKD_MAX_BATCH_MB", value_name = "N")]
+    pub max_batch_mb: Option<u64>,
+    /// Requests that may wait for a computing thread, per thread; more are refused with 503 [default: 64]
+    #[arg(long, env = "LANDMARKD_WAITING_PER_THREAD", value_name = "N")]
+    pub waiting_per_thread: Option<usize>,
+    /// Longest time one request may take, in seconds (batches ten times as long) [default: 60]
+    #[arg(long, env = "LANDMARKD_REQUEST_TIMEOUT_S", value_name = "SECONDS")]
+    pub request_timeout_s: Option<u64>,
+}
+
+/// What is refused before it costs anything. `GET /v1/info` shows these.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Limits {
+    /// A camera frame of 40 Mpx as JPEG is 8–12 MB; 16 MiB leaves room.
+    pub max_body_bytes: u64,
+    /// Longest side of a picture.
+    pub max_side_px: u32,
+    /// 40 Mpx × 3 planes × 4 bytes = 480 MB while it is worked on: the largest that several threads can afford.
+    pub max_pixels: u64,
+    /// What one decoder may allocate: 40 Mpx × 6 bytes (16-bit colour) = 240 MB, rounded up to 256 MiB.
+    pub max_decode_bytes: u64,
+    /// What all pictures being worked on may take together: four of the largest decodes.
+    pub max_decode_bytes_total: u64,
+    /// Most parts or tar entries of one batch.
+    pub max_batch_parts: usize,
+    /// Largest body of one batch; it is streamed, never held whole.
+    pub max_batch_bytes: u64,
+    /// Largest version artifact taken by `POST …/versions`.
+    pub max_artifact_bytes: u64,
+    /// 64 frames at 15 ms are one second of waiting: longer than a robot would want.
+    pub waiting_per_thread: usize,
+    /// Longest time one request may take.
+    pub request_timeout: Duration,
+    /// Longest time the header of a request may take to arrive.
+    pub header_timeout: Duration,
+    /// Longest time the body of a request may take to arrive.
+    pub body_timeout: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            max_body_bytes: 16 << 20,
+            max_side_px: 8192,
+            max_pixels: 40_000_000,
+            max_decode_bytes: 256 << 20,
+            max_decode_bytes_total: 1 << 30,
+            max_batch_parts: 1000,
+            max_batch_bytes: 512 << 20,
+            max_artifact_bytes: 512 << 20,
+            waiting_per_thread: 64,
+            request_timeout: Duration::from_secs(60),
+            header_timeout: Duration::from_secs(10),
+            body_timeout: Duration::from_secs(30),
+        }
+    }
+}
+
+/// The settings in force.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub bind: SocketAddr,
+    pub data_dir: PathBuf,
+    /// Computing threads, at least one.
+    pub threads: usize,
+    /// Bytes that loaded versions without an alias may take.
+    pub memory_limit_bytes: u64,
+    pub insecure: bool,
+    pub log_format: LogFormat,
+    pub limits: Limits,
+}
+
+/// Why the settings can't be used; the text says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    #[error("can't read the settings file {path}: check the path given with --config")]
+    Unreadable { path: PathBuf, source: std::io::Error },
+    #[error("the settings file {path} is not right")]
+    Malformed { path: PathBuf, source: toml::de::Error },
+    #[error(
+        "--bind {bind} is reachable from other machines and nothing asks who is calling: \
+         bind a loopback address such as 127.0.0.1:8080 behind your own gateway, or add --insecure to allow it"
+    )]
+    OpenToAll { bind: SocketAddr },
+    #[error("{setting} is {given}; it must be between {least} and {most}")]
+    OutOfRange { setting: &'static str, given: u64, least: u64, most: u64 },
+}
+
+impl Settings {
+    /// Settle what was given on the command line and in the environment with the file at `config`, if any.
+    ///
+    /// # Errors
+    /// An unreadable or malformed file, a number out of its range, or an address that is open to all.
+    pub fn settle(given: GivenSettings, config: Option<&Path>) -> Result<Self, SettingsError> {
+        let file = match config {
+            None => GivenSettings::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
+                toml::from_str(&text)
+                    .map_err(|source| SettingsError::Malformed { path: path.into(), source })?
+            }
+        };
+        let defaults = Limits::default();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+        let number = |setting, flag: Option<u64>, file: Option<u64>, default: u64, least: u64, most: u64| {
+            let given = flag.or(file).unwrap_or(default);
+            if (least..=most).contains(&given) {
+                Ok(given)
+            } else {
+                Err(SettingsError::OutOfRange { setting, given, least, most })
+            }
+        };
+        let size = |value: Option<usize>| value.map(|n| n as u64);
+        let settings = Self {
+            bind: given.bind.or(file.bind).unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
+            data_dir: given.data_dir.or(file.data_dir).unwrap_or_else(|| PathBuf::from("landmarkd-data")),
+            threads: number("threads", size(given.threads), size(file.threads), cores, 1, 1024)? as usize,
+            memory_limit_bytes: number(
+                "memory_limit_mb",
+                given.memory_limit_mb,
+                file.memory_limit_mb,
+                1024,
+                0,
+                1 << 20,
+            )? << 20,
+            insecure: given.insecure.or(file.insecure).unwrap_or(false),
+            log_format: given.log_format.or(file.log_format).unwrap_or(LogFormat::Text),
+            limits: Limits {
+                max_body_bytes: number("max_body_mb", given.max_body_mb, file.max_body_mb, 16, 1, 256)? << 20,
+                max_side_px: number(
+                    "max_side_px",
+                    given.max_side_px.map(u64::from),
+                    file.max_side_px.map(u64::from),
+                    u64::from(defaults.max_side_px),
+                    16,
+                    32_768,
+                )? as u32,
+                max_pixels: number(
+                    "max_megapixels",
+                    given.max_megapixels,
+                    file.max_megapixels,
+                    defaults.max_pixels / 1_000_000,
+                    1,
+                    200,
+                )? * 1_000_000,
+                max_batch_parts: number(
+                    "max_batch_parts",
+                    size(given.max_batch_parts),
+                    size(file.max_batch_parts),
+                    defaults.max_batch_parts as u64,
+                    1,
+                    100_000,
+                )? as usize,
+                max_batch_bytes: number(
+                    "max_batch_mb",
+                    given.max_batch_mb,
+                    file.max_batch_mb,
+                    512,
+                    1,
+                    64 << 10,
+                )? << 20,
+                waiting_per_thread: number(
+                    "waiting_per_thread",
+                    size(given.waiting_per_thread),
+                    size(file.waiting_per_thread),
+                    defaults.waiting_per_thread as u64,
+                    0,
+                    10_000,
+                )? as usize,
+                request_timeout: Duration::from_secs(number(
+                    "request_timeout_s",
+                    given.request_timeout_s,
+                    file.request_timeout_s,
+                    60,
+                    1,
+                    3600,
+                )?),
+                ..defaults
+            },
+        };
+        if !settings.bind.ip().is_loopback() && !settings.insecure {
+            return Err(SettingsError::OpenToAll { bind: settings.bind });
+        }
+        Ok(settings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_win_over_the_file_and_the_file_over_defaults() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "threads = 3\nmax_body_mb = 2\n").unwrap();
+        let given = GivenSettings { threads: Some(5), ..Default::default() };
+        let settings = Settings::settle(given, Some(file.path())).unwrap();
+        assert_eq!(settings.threads, 5);
+        assert_eq!(settings.limits.max_body_bytes, 2 << 20);
+        assert_eq!(settings.limits.max_side_px, 8192);
+    }
+
+    #[test]
+    fn an_address_open_to_all_needs_insecure() {
+        let given = GivenSettings { bind: Some("0.0.0.0:8080".parse().unwrap()), ..Default::default() };
+        assert!(matches!(Settings::settle(given.clone(), None), Err(SettingsError::OpenToAll { .. })));
+        let given = GivenSettings { insecure: Some(true), ..given };
+        assert!(Settings::settle(given, None).is_ok());
+    }
+
+    #[test]
+    fn a_misspelt_setting_in_the_file_is_named() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "treads = 3\n").unwrap();
+        let error = Settings::settle(GivenSettings::default(), Some(file.path())).unwrap_err();
+        let SettingsError::Malformed { source, .. } = error else { panic!("{error}") };
+        assert!(source.to_string().contains("treads"), "{source}");
+    }
+}

@@ -1,1 +1,193 @@
-//! (being written)
+//! Log lines and the metrics registry.
+//!
+//! Logs go to standard error, one event a line, as text or JSON, each inside its request's span (method, path,
+//! request id, trace id). Metrics follow Prometheus: names end in their unit, counters in `_total`.
+
+use std::time::Duration;
+
+use prometheus::core::Collector;
+use prometheus::{
+    Histogram, HistogramOpts, HistogramVec, IntCounterVec, IntGauge, IntGaugeVec, Opts, Registry, TextEncoder,
+};
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
+
+use crate::config::LogFormat;
+
+/// Start logging for the whole process. `quiet` leaves only warnings: for verbs that print for people.
+pub fn start_logging(format: LogFormat, quiet: bool) {
+    let filter = EnvFilter::new(if quiet { "warn" } else { "info,sqlx=warn,hyper=warn" });
+    let registry = tracing_subscriber::registry().with(filter);
+    // A second start in one process (tests) keeps the first: that is what try_init's error says.
+    let _ = match format {
+        LogFormat::Text => {
+            registry.with(tracing_subscriber::fmt::layer().with_writer(std::io::stderr)).try_init()
+        }
+        LogFormat::Json => registry
+            .with(tracing_subscriber::fmt::layer().json().flatten_event(true).with_writer(std::io::stderr))
+            .try_init(),
+    };
+}
+
+/// An error with its causes, in one line: what a log line or a reason for people shows.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    text
+}
+
+/// What the service counts and times.
+pub struct Metrics {
+    registry: Registry,
+    requests: IntCounterVec,
+    request_seconds: HistogramVec,
+    stage_seconds: HistogramVec,
+    /// Pieces of work running and waiting, by lane.
+    pub pool_running: IntGaugeVec,
+    pub pool_waiting: IntGaugeVec,
+    /// Loaded versions and the bytes that they hold.
+    pub versions_loaded: IntGauge,
+    pub versions_loaded_bytes: IntGauge,
+    /// Jobs by state, as the catalogue has them.
+    pub jobs: IntGaugeVec,
+    training_seconds: Histogram,
+}
+
+/// The stages of a recognition, as `landmarkd_recognition_stage_seconds{stage}` names them.
+pub const STAGES: [&str; 6] = ["queue", "decode", "attention", "signature", "search", "vote"];
+
+impl Default for Metrics {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Metrics {
+    /// A registry with every metric of the service at zero.
+    pub fn new() -> Self {
+        let registry = Registry::new();
+        let stage_buckets =
+            vec![0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0];
+        let request_buckets = vec![0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0];
+        let metrics = Self {
+            requests: register(
+                &registry,
+                IntCounterVec::new(
+                    Opts::new("landmarkd_requests_total", "Requests answered, by route and status"),
+                    &["method", "route", "status"],
+                ),
+            ),
+            request_seconds: register(
+                &registry,
+                HistogramVec::new(
+                    HistogramOpts::new("landmarkd_request_seconds", "Time to answer, by route")
+                        .buckets(request_buckets),
+                    &["method", "route"],
+                ),
+            ),
+            stage_seconds: register(
+                &registry,
+                HistogramVec::new(
+                    HistogramOpts::new(
+                        "landmarkd_recognition_stage_seconds",
+                        "Time of each stage of a recognition",
+                    )
+                    .buckets(stage_buckets),
+                    &["stage"],
+                ),
+            ),
+            pool_running: register(
+                &registry,
+                IntGaugeVec::new(
+                    Opts::new("landmarkd_pool_running", "Pieces of work on a computing thread"),
+                    &["lane"],
+                ),
+            ),
+            pool_waiting: register(
+                &registry,
+                IntGaugeVec::new(
+                    Opts::new("landmarkd_pool_waiting", "Pieces of work waiting for a computing thread"),
+                    &["lane"],
+                ),
+            ),
+            versions_loaded: register(
+                &registry,
+                IntGauge::new("landmarkd_versions_loaded", "Database versions held in memory"),
+            ),
+            versions_loaded_bytes: register(
+                &registry,
+                IntGauge::new("landmarkd_versions_loaded_bytes", "Memory of the loaded versions"),
+            ),
+            jobs: register(
+                &registry,
+                IntGaugeVec::new(Opts::new("landmarkd_jobs", "Jobs in the catalogue, by state"), &["state"]),
+            ),
+            training_seconds: register(
+                &registry,
+                Histogram::with_opts(
+                    HistogramOpts::new("landmarkd_training_seconds", "Time of one training, start to version")
+                        .buckets(vec![0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]),
+                ),
+            ),
+            registry,
+        };
+        for stage in STAGES {
+            metrics.stage_seconds.with_label_values(&[stage]);
+        }
+        #[cfg(target_os = "linux")]
+        metrics
+            .registry
+            .register(Box::new(prometheus::process_collector::ProcessCollector::for_self()))
+            .expect("process metrics have names of their own");
+        metrics
+    }
+
+    /// One answered request. `route` is the route's pattern, never the path, so labels stay few.
+    pub fn request(&self, method: &str, route: &str, status: u16, took: Duration) {
+        self.requests.with_label_values(&[method, route, &status.to_string()]).inc();
+        self.request_seconds.with_label_values(&[method, route]).observe(took.as_secs_f64());
+    }
+
+    /// One stage of one recognition; `stage` is one of [`STAGES`].
+    pub fn stage(&self, stage: &str, took: Duration) {
+        self.stage_seconds.with_label_values(&[stage]).observe(took.as_secs_f64());
+    }
+
+    /// One finished training.
+    pub fn training(&self, took: Duration) {
+        self.training_seconds.observe(took.as_secs_f64());
+    }
+
+    /// Everything in Prometheus' text format.
+    pub fn text(&self) -> String {
+        TextEncoder::new().encode_to_string(&self.registry.gather()).unwrap_or_default()
+    }
+}
+
+/// Register a metric made from constants; a mistake in them shows in every test.
+fn register<C: Collector + Clone + 'static>(registry: &Registry, metric: prometheus::Result<C>) -> C {
+    let metric = metric.expect("metric options are constants");
+    registry.register(Box::new(metric.clone())).expect("metric names are distinct");
+    metric
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_text_names_route_status_and_every_stage() {
+        let metrics = Metrics::new();
+        metrics.request("GET", "/v1/databases/{database}", 404, Duration::from_millis(3));
+        let text = metrics.text();
+        assert!(text.contains(r#"route="/v1/databases/{database}",status="404"} 1"#), "{text}");
+        for stage in STAGES {
+            assert!(text.contains(&format!(r#"stage="{stage}""#)), "{stage} is missing");
+        }
+    }
+}

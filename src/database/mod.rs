@@ -1,1 +1,172 @@
-//! (being written)
+//! Databases: names, exemplars, options, versions, aliases; the registry of loaded versions; the artifact format.
+//!
+//! [`Databases`] is the door. What it writes, it writes in the order of the protocol: the blob, then its row, then
+//! the alias. Plain records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves: they carry no
+//! behaviour, so a second copy would only forward. HTTP has wire shapes of its own.
+//!
+//! Architecture invariant: nothing here knows HTTP, and nothing but `store` knows SQL or files.
+
+pub mod artifact;
+mod error;
+mod exemplar;
+mod name;
+pub mod options;
+pub mod registry;
+mod version;
+
+use std::sync::Arc;
+
+pub use error::DatabaseError;
+pub use exemplar::{FrameHeader, NewExemplar};
+pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
+pub use options::Kind;
+pub use registry::{LoadedVersion, Model, Registry};
+pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
+
+pub use crate::store::{
+    AliasExpectation, AliasRow, DatabaseCounts, DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter,
+    JobRow, JobState, Progress, VersionRow,
+};
+
+use crate::compute::Compute;
+use crate::recognition::landmarks::LandmarkOptions;
+use crate::store::{Blobs, Catalogue};
+
+/// The alias that answers when a call names none.
+pub const CURRENT: &str = "current";
+
+/// The databases of one catalogue and one blob store, and those of their versions that are in memory.
+#[derive(Clone)]
+pub struct Databases {
+    pub(crate) catalogue: Arc<dyn Catalogue>,
+    pub(crate) blobs: Blobs,
+    registry: Arc<Registry>,
+}
+
+impl Databases {
+    /// Open over a catalogue and a blob store; `memory_limit_bytes` bounds the versions that no alias names.
+    pub fn new(
+        catalogue: Arc<dyn Catalogue>,
+        blobs: Blobs,
+        compute: Compute,
+        memory_limit_bytes: u64,
+    ) -> Self {
+        let registry =
+            Arc::new(Registry::new(Arc::clone(&catalogue), blobs.clone(), compute, memory_limit_bytes));
+        Self { catalogue, blobs, registry }
+    }
+
+    /// The versions in memory.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// Create a database, or find the one of that name; `true` when it is new. Options given for a database that
+    /// is there replace the kept ones, and count from the next training on.
+    ///
+    /// # Errors
+    /// [`DatabaseError::KindConflict`] when the database is of another kind.
+    pub async fn create(
+        &self,
+        name: &Name,
+        kind: Kind,
+        options: Option<&LandmarkOptions>,
+    ) -> Result<(DatabaseRow, bool), DatabaseError> {
+        let document = options::to_document(options.unwrap_or(&LandmarkOptions::default()));
+        let (row, created) = self.catalogue.create_database(name.as_str(), kind.as_str(), &document).await?;
+        if row.kind != kind.as_str() {
+            return Err(DatabaseError::KindConflict { database: name.to_string(), kind: row.kind });
+        }
+        if options.is_some() && row.options != document {
+            let row = self.catalogue.set_database_options(name.as_str(), &document).await?;
+            return Ok((row, false));
+        }
+        Ok((row, created))
+    }
+
+    /// The database of that name.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownDatabase`].
+    pub async fn get(&self, name: &Name) -> Result<DatabaseRow, DatabaseError> {
+        let row = self.catalogue.database(name.as_str()).await?;
+        row.ok_or_else(|| DatabaseError::UnknownDatabase { database: name.to_string() })
+    }
+
+    /// Databases by name, after `after`.
+    pub async fn list(&self, after: Option<&str>, limit: u32) -> Result<Vec<DatabaseRow>, DatabaseError> {
+        Ok(self.catalogue.databases(after, limit).await?)
+    }
+
+    /// How much the database holds.
+    pub async fn counts(&self, name: &Name) -> Result<DatabaseCounts, DatabaseError> {
+        Ok(self.catalogue.database_counts(name.as_str()).await?)
+    }
+
+    /// Delete a database with all it holds; its unfinished jobs are cancelled.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownDatabase`].
+    pub async fn delete(&self, name: &Name) -> Result<(), DatabaseError> {
+        if !self.catalogue.delete_database(name.as_str()).await? {
+            return Err(DatabaseError::UnknownDatabase { database: name.to_string() });
+        }
+        self.registry.forget(name.as_str(), None);
+        self.registry.refresh().await
+    }
+
+    /// The aliases of a database, by name.
+    pub async fn aliases(&self, name: &Name) -> Result<Vec<AliasRow>, DatabaseError> {
+        Ok(self.catalogue.aliases(name.as_str()).await?)
+    }
+
+    /// One alias.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownAlias`].
+    pub async fn alias(&self, name: &Name, alias: &Name) -> Result<AliasRow, DatabaseError> {
+        let rows = self.aliases(name).await?;
+        rows.into_iter().find(|row| row.alias == alias.as_str()).ok_or_else(|| DatabaseError::UnknownAlias {
+            database: name.to_string(),
+            alias: alias.to_string(),
+        })
+    }
+
+    /// Point an alias to a version that loads; `true` when the alias is new. On return this process serves it.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownVersion`], [`DatabaseError::Unloadable`], or
+    /// [`DatabaseError::PreconditionFailed`] when the alias isn't as `expected`.
+    pub async fn set_alias(
+        &self,
+        name: &Name,
+        alias: &Name,
+        version: i64,
+        expected: AliasExpectation,
+    ) -> Result<(AliasRow, bool), DatabaseError> {
+        // Held until the registry has swapped, so that the load is not done twice.
+        let _loaded = self.version_model(name, version).await?;
+        let set = self.catalogue.set_alias(name.as_str(), alias.as_str(), version, expected).await?;
+        self.registry.refresh().await?;
+        Ok(set)
+    }
+
+    /// Delete an alias.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownAlias`], or [`DatabaseError::PreconditionFailed`].
+    pub async fn delete_alias(
+        &self,
+        name: &Name,
+        alias: &Name,
+        expected: AliasExpectation,
+    ) -> Result<(), DatabaseError> {
+        if !self.catalogue.delete_alias(name.as_str(), alias.as_str(), expected).await? {
+            return Err(DatabaseError::UnknownAlias {
+                database: name.to_string(),
+                alias: alias.to_string(),
+            });
+        }
+        self.registry.refresh().await
+    }
+}

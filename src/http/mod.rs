@@ -1,1 +1,102 @@
-//! (being written)
+//! HTTP: the router is a table of contents; one file per resource. A handler extracts, picks, makes one call, renders.
+//!
+//! Architecture invariant: no arithmetic on pixels or vectors here, no SQL, no files. Wire shapes live beside their
+//! handlers; renaming a field inside the house doesn't change them.
+
+pub mod accept;
+mod aliases;
+mod body;
+mod databases;
+mod exemplar_batches;
+mod exemplars;
+mod extract;
+mod info;
+mod jobs;
+pub mod openapi;
+mod options;
+mod pages;
+pub mod problem;
+mod recognitions;
+mod rim;
+mod uploads;
+mod versions;
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use axum::extract::DefaultBodyLimit;
+use axum::http::HeaderValue;
+use axum::http::header::{CACHE_CONTROL, X_CONTENT_TYPE_OPTIONS};
+use axum::{Router, middleware};
+use jiff::Timestamp;
+use tower_http::set_header::SetResponseHeaderLayer;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use utoipa_swagger_ui::SwaggerUi;
+
+use crate::compute::Compute;
+use crate::config::Limits;
+use crate::database::Databases;
+use crate::imaging::DecodeLimits;
+use crate::jobs::Jobs;
+use crate::telemetry::Metrics;
+
+/// What the handlers share; cheap to clone.
+#[derive(Clone)]
+pub struct Service {
+    pub databases: Databases,
+    pub jobs: Jobs,
+    pub compute: Compute,
+    pub metrics: Arc<Metrics>,
+    pub limits: Limits,
+    pub decode: DecodeLimits,
+    pub started_at: Timestamp,
+    /// The name under which this process claims jobs.
+    pub worker: Arc<str>,
+    /// True from the first complete load of the registry until shutdown.
+    pub ready: Arc<AtomicBool>,
+}
+
+fn routes() -> OpenApiRouter<Service> {
+    OpenApiRouter::with_openapi(openapi::preamble())
+        .routes(routes!(info::livez))
+        .routes(routes!(info::readyz))
+        .routes(routes!(info::metrics))
+        .routes(routes!(info::info))
+        .routes(routes!(databases::list))
+        .routes(routes!(databases::put, databases::get, databases::delete))
+        .routes(routes!(exemplars::post, exemplars::list, exemplars::delete_matching))
+        .routes(routes!(exemplar_batches::post))
+        .routes(routes!(exemplars::get, exemplars::delete))
+        .routes(routes!(exemplars::image))
+        .routes(routes!(jobs::train))
+        .routes(routes!(versions::list, versions::import))
+        .routes(routes!(versions::get, versions::delete))
+        .routes(routes!(versions::artifact))
+        .routes(routes!(aliases::list))
+        .routes(routes!(aliases::put, aliases::get, aliases::delete))
+        .routes(routes!(recognitions::post))
+        .routes(routes!(recognitions::post_batch))
+        .routes(routes!(jobs::list))
+        .routes(routes!(jobs::get, jobs::cancel))
+        .routes(routes!(jobs::events))
+}
+
+/// The whole service as a router.
+pub fn router(service: Service) -> Router {
+    let (api, document) = routes().split_for_parts();
+    let document = openapi::finished(document);
+    let no_sniffing = HeaderValue::from_static("nosniff");
+    let no_store = HeaderValue::from_static("no-store");
+    Router::new()
+        .merge(api)
+        .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
+        .fallback(rim::unknown_route)
+        .method_not_allowed_fallback(rim::method_not_allowed)
+        // Bodies have limits of their own, see `body`.
+        .layer(DefaultBodyLimit::disable())
+        .layer(SetResponseHeaderLayer::if_not_present(X_CONTENT_TYPE_OPTIONS, no_sniffing))
+        .layer(SetResponseHeaderLayer::if_not_present(CACHE_CONTROL, no_store))
+        .layer(middleware::from_fn_with_state(service.clone(), rim::rim))
+        .with_state(service)
+}

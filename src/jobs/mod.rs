@@ -1,1 +1,116 @@
-//! (being written)
+//! Jobs: long work that survives a restart. The queue's door, the runner, and one file per kind of job.
+//!
+//! A job is a row of the catalogue. Whoever claims it holds a lease and a token; a worker that lost its lease can
+//! finish nothing, so a job ends exactly once. Every change of a job is an event with a number, kept with it.
+
+mod runner;
+mod training;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::Notify;
+use uuid::Uuid;
+
+use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, Name};
+use crate::store::Catalogue;
+pub use runner::{Runner, WORKER_LEASE};
+pub use training::{Promote, TrainingParams};
+
+/// Why a call on a job failed.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    #[error("there is no job {id}")]
+    Unknown { id: Uuid },
+    #[error("job {id} has ended: it is {state}")]
+    Ended { id: Uuid, state: &'static str },
+    #[error("database {database} has no exemplars")]
+    NoExemplars { database: String },
+    #[error(transparent)]
+    Database(#[from] DatabaseError),
+}
+
+/// The queue of jobs; cheap to clone.
+#[derive(Clone)]
+pub struct Jobs {
+    catalogue: Arc<dyn Catalogue>,
+    /// Woken when there is something to claim or to cancel.
+    work: Arc<Notify>,
+    /// Woken when a job of this process changed; other processes' changes are found by polling.
+    changed: Arc<Notify>,
+}
+
+/// How long a reader of events waits before it looks again by itself.
+const EVENTS_POLL: Duration = Duration::from_millis(500);
+
+impl Jobs {
+    /// The queue kept in `catalogue`.
+    pub fn new(catalogue: Arc<dyn Catalogue>) -> Self {
+        Self { catalogue, work: Arc::default(), changed: Arc::default() }
+    }
+
+    /// Queue a training of the database.
+    ///
+    /// # Errors
+    /// [`JobError::NoExemplars`], or an unknown database.
+    pub async fn train(&self, database: &Name, params: &TrainingParams) -> Result<JobRow, JobError> {
+        let unknown = || DatabaseError::UnknownDatabase { database: database.to_string() };
+        let known = self.catalogue.database(database.as_str()).await.map_err(DatabaseError::from)?;
+        known.ok_or_else(unknown)?;
+        let counts = self.catalogue.database_counts(database.as_str()).await.map_err(DatabaseError::from)?;
+        if counts.exemplars == 0 {
+            return Err(JobError::NoExemplars { database: database.to_string() });
+        }
+        let queued =
+            self.catalogue.enqueue_job(training::KIND, database.as_str(), &params.to_document()).await;
+        let job = queued.map_err(DatabaseError::from)?;
+        self.work.notify_one();
+        Ok(job)
+    }
+
+    /// One job.
+    ///
+    /// # Errors
+    /// [`JobError::Unknown`].
+    pub async fn get(&self, id: Uuid) -> Result<JobRow, JobError> {
+        self.catalogue.job(id).await.map_err(DatabaseError::from)?.ok_or(JobError::Unknown { id })
+    }
+
+    /// Jobs, the newest first; `after` is the oldest one seen.
+    pub async fn list(
+        &self,
+        filter: &JobFilter,
+        after: Option<Uuid>,
+        limit: u32,
+    ) -> Result<Vec<JobRow>, JobError> {
+        Ok(self.catalogue.jobs(filter, after, limit).await.map_err(DatabaseError::from)?)
+    }
+
+    /// Ask a job to end. A running one ends at its next step.
+    ///
+    /// # Errors
+    /// [`JobError::Unknown`], or [`JobError::Ended`] when it had ended before.
+    pub async fn cancel(&self, id: Uuid) -> Result<JobRow, JobError> {
+        let before = self.get(id).await?;
+        if before.state.is_terminal() {
+            return Err(JobError::Ended { id, state: before.state.as_str() });
+        }
+        let asked = self.catalogue.request_cancel(id).await.map_err(DatabaseError::from)?;
+        self.changed.notify_waiters();
+        asked.ok_or(JobError::Unknown { id })
+    }
+
+    /// The events of a job after number `after`, waiting for the next when there is none yet.
+    pub async fn events_after(&self, id: Uuid, after: i64) -> Result<Vec<JobEventRow>, JobError> {
+        loop {
+            let changed = self.changed.notified();
+            let events = self.catalogue.job_events(id, after).await.map_err(DatabaseError::from)?;
+            if !events.is_empty() {
+                return Ok(events);
+            }
+            // Gone with its row: nothing will come.
+            self.get(id).await?;
+            let _ = tokio::time::timeout(EVENTS_POLL, changed).await;
+        }
+    }
+}

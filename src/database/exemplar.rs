@@ -1,0 +1,172 @@
+//! Exemplars: training images with their label, pose and the header of the robot that sent them.
+//!
+//! An exemplar's id is made from what it is (label, pose, bytes), so the same picture sent twice is one exemplar,
+//! and the same pictures at another site have the same ids.
+
+use std::fmt::Write;
+
+use bytes::Bytes;
+use jiff::Timestamp;
+use sha2::{Digest, Sha256};
+use uuid::Uuid;
+
+use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name};
+use crate::store::{CatalogueError, content_hash};
+
+/// What a robot says about a frame; answers echo it as sent.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FrameHeader {
+    pub robot_id: Option<String>,
+    pub frame_id: Option<String>,
+    /// Capture time, RFC 3339 or `sec.nanosec`, as sent.
+    pub stamp: Option<String>,
+}
+
+/// A training image to add. Its bytes have been decoded once: they are a picture of the stated size.
+#[derive(Debug, Clone)]
+pub struct NewExemplar {
+    pub label: Name,
+    /// Turntable pose in degrees, in [0, 360).
+    pub pose_deg: Option<f64>,
+    pub bytes: Bytes,
+    pub media_type: &'static str,
+    pub width_px: u32,
+    pub height_px: u32,
+    pub header: FrameHeader,
+}
+
+/// The id of an exemplar: a UUID of version 8 made from its content.
+fn exemplar_id(label: &Name, pose_deg: Option<f64>, sha256: &str) -> Uuid {
+    let pose = pose_deg.map_or_else(String::new, |pose| pose.to_string());
+    let hash = content_hash(format!("exemplar\n{label}\n{pose}\n{sha256}").as_bytes());
+    let mut bytes = [0; 16];
+    for (byte, hex) in bytes.iter_mut().zip(hash.as_bytes().chunks_exact(2)) {
+        let digit = |c: u8| (c as char).to_digit(16).unwrap_or(0) as u8;
+        *byte = digit(hex[0]) << 4 | digit(hex[1]);
+    }
+    Uuid::new_v8(bytes)
+}
+
+fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
+        write!(text, "{byte:02x}").expect("writing to a string does not fail");
+        text
+    })
+}
+
+impl Databases {
+    /// Keep a training image: its bytes first, then its row; `true` when it is new. The same bytes with the same
+    /// label and pose again give the exemplar that is there.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownDatabase`], or a store that is away.
+    pub async fn add_exemplar(
+        &self,
+        database: &Name,
+        new: NewExemplar,
+    ) -> Result<(ExemplarRow, bool), DatabaseError> {
+        let sha256 = sha256_hex(&new.bytes);
+        let id = exemplar_id(&new.label, new.pose_deg, &sha256);
+        let bytes = new.bytes.len() as u64;
+        let blob = self.blobs.put(new.bytes).await?;
+        let row = ExemplarRow {
+            database: database.to_string(),
+            id,
+            label: new.label.to_string(),
+            pose_deg: new.pose_deg,
+            width_px: new.width_px,
+            height_px: new.height_px,
+            bytes,
+            sha256,
+            blob: blob.to_string(),
+            media_type: new.media_type.into(),
+            robot_id: new.header.robot_id,
+            frame_id: new.header.frame_id,
+            stamp: new.header.stamp,
+            created_at: Timestamp::UNIX_EPOCH,
+        };
+        self.catalogue.insert_exemplar(&row).await.map_err(|error| match error {
+            CatalogueError::NotFound { .. } => {
+                DatabaseError::UnknownDatabase { database: database.to_string() }
+            }
+            error => error.into(),
+        })
+    }
+
+    /// One exemplar.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownExemplar`].
+    pub async fn exemplar(&self, database: &Name, id: Uuid) -> Result<ExemplarRow, DatabaseError> {
+        let row = self.catalogue.exemplar(database.as_str(), id).await?;
+        row.ok_or_else(|| DatabaseError::UnknownExemplar {
+            database: database.to_string(),
+            exemplar: id.to_string(),
+        })
+    }
+
+    /// The bytes of an exemplar, as they were sent.
+    pub async fn exemplar_bytes(&self, row: &ExemplarRow) -> Result<Bytes, DatabaseError> {
+        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
+    }
+
+    /// Exemplars by id, after `after`.
+    pub async fn exemplars(
+        &self,
+        database: &Name,
+        filter: &ExemplarFilter,
+        after: Option<Uuid>,
+        limit: u32,
+    ) -> Result<Vec<ExemplarRow>, DatabaseError> {
+        Ok(self.catalogue.exemplars(database.as_str(), filter, after, limit).await?)
+    }
+
+    /// Delete one exemplar.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownExemplar`].
+    pub async fn delete_exemplar(&self, database: &Name, id: Uuid) -> Result<(), DatabaseError> {
+        if self.catalogue.delete_exemplar(database.as_str(), id).await? {
+            return Ok(());
+        }
+        Err(DatabaseError::UnknownExemplar { database: database.to_string(), exemplar: id.to_string() })
+    }
+
+    /// Delete the exemplars that match the filter, and count them.
+    ///
+    /// # Errors
+    /// [`DatabaseError::EmptyFilter`] for a filter that names nothing: absent never means all.
+    pub async fn delete_exemplars(
+        &self,
+        database: &Name,
+        filter: &ExemplarFilter,
+    ) -> Result<u64, DatabaseError> {
+        Ok(self.catalogue.delete_exemplars(database.as_str(), filter).await?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_is_made_from_label_pose_and_bytes_alone() {
+        let label = Name::parse("cup").unwrap();
+        let id = exemplar_id(&label, Some(10.0), "aa");
+        assert_eq!(id, exemplar_id(&label, Some(10.0), "aa"));
+        assert_eq!(id.get_version_num(), 8);
+        for other in [
+            exemplar_id(&Name::parse("cups").unwrap(), Some(10.0), "aa"),
+            exemplar_id(&label, Some(10.5), "aa"),
+            exemplar_id(&label, None, "aa"),
+            exemplar_id(&label, Some(10.0), "ab"),
+        ] {
+            assert_ne!(id, other);
+        }
+    }
+
+    #[test]
+    fn the_sum_is_what_sha256sum_prints() {
+        assert_eq!(sha256_hex(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    }
+}

@@ -1,0 +1,318 @@
+//! The registry: which versions are in memory, and which one an alias names.
+//!
+//! Everything that aliases name is one immutable snapshot behind one atomic pointer. A request loads the pointer
+//! once and keeps its version to the end; a refresh builds the next snapshot beside it and swaps. A version that
+//! can't load leaves the one before it serving, and the snapshot says why.
+//! Versions asked for by number load on demand into a cache bounded in bytes, least recently used out first.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use arc_swap::ArcSwap;
+
+use super::artifact;
+use super::{CURRENT, DatabaseError, Databases, Kind, Name};
+use crate::compute::{Compute, Lane};
+use crate::recognition::landmarks::Landmarks;
+use crate::store::{AliasTarget, Blobs, Catalogue};
+use crate::telemetry::chain;
+
+/// What a version recognises with.
+#[derive(Debug)]
+pub enum Model {
+    Landmarks(Landmarks),
+}
+
+/// A version in memory.
+#[derive(Debug)]
+pub struct LoadedVersion {
+    pub database: String,
+    pub version: i64,
+    /// Digest of the inputs it was trained from.
+    pub digest: String,
+    pub model: Model,
+    /// Memory that the model holds.
+    pub bytes: u64,
+}
+
+impl LoadedVersion {
+    /// The kind of its database.
+    pub fn kind(&self) -> Kind {
+        match self.model {
+            Model::Landmarks(_) => Kind::Landmarks,
+        }
+    }
+}
+
+/// An alias that doesn't serve what the catalogue says it should.
+#[derive(Debug, Clone)]
+struct Failure {
+    digest: String,
+    blob: String,
+    reason: String,
+    at: Instant,
+}
+
+/// How long a version that didn't load is left alone before it is tried again.
+const RETRY_AFTER: Duration = Duration::from_secs(10);
+
+#[derive(Debug, Default)]
+struct Snapshot {
+    /// By database, then alias.
+    databases: HashMap<String, BTreeMap<String, Served>>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Served {
+    version: Option<Arc<LoadedVersion>>,
+    failure: Option<Failure>,
+}
+
+/// How a database is served by this process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ServedState {
+    pub database: String,
+    /// What `current` answers with; none when it names nothing, or its version never loaded.
+    pub version: Option<i64>,
+    /// Why an alias doesn't serve what it should.
+    pub reason: Option<String>,
+}
+
+/// See the module.
+pub struct Registry {
+    catalogue: Arc<dyn Catalogue>,
+    blobs: Blobs,
+    compute: Compute,
+    snapshot: ArcSwap<Snapshot>,
+    refreshing: tokio::sync::Mutex<()>,
+    by_number: Mutex<ByNumber>,
+}
+
+/// Versions asked for by number; the last of the list is the most recently used.
+struct ByNumber {
+    versions: Vec<Arc<LoadedVersion>>,
+    limit_bytes: u64,
+}
+
+impl Registry {
+    /// An empty registry; [`Registry::refresh`] fills it.
+    pub fn new(
+        catalogue: Arc<dyn Catalogue>,
+        blobs: Blobs,
+        compute: Compute,
+        memory_limit_bytes: u64,
+    ) -> Self {
+        Self {
+            catalogue,
+            blobs,
+            compute,
+            snapshot: ArcSwap::default(),
+            refreshing: tokio::sync::Mutex::default(),
+            by_number: Mutex::new(ByNumber { versions: Vec::new(), limit_bytes: memory_limit_bytes }),
+        }
+    }
+
+    /// The version that the alias names, if this process serves it. One atomic load.
+    pub fn by_alias(&self, database: &str, alias: &str) -> Option<Arc<LoadedVersion>> {
+        self.snapshot.load().databases.get(database)?.get(alias)?.version.clone()
+    }
+
+    /// The version of that number, if it is in memory.
+    pub fn by_number(&self, database: &str, version: i64) -> Option<Arc<LoadedVersion>> {
+        let is_it =
+            |loaded: &&Arc<LoadedVersion>| loaded.version == version && loaded.database == database;
+        let snapshot = self.snapshot.load();
+        let aliased = snapshot.databases.get(database).and_then(|aliases| {
+            aliases.values().filter_map(|served| served.version.as_ref()).find(is_it).cloned()
+        });
+        aliased.or_else(|| {
+            let mut cache = self.cache();
+            let at = cache.versions.iter().position(|loaded| is_it(&loaded))?;
+            let found = cache.versions.remove(at);
+            cache.versions.push(Arc::clone(&found));
+            Some(found)
+        })
+    }
+
+    /// Read what the aliases name now, load what isn't in memory, and swap. A version that can't load doesn't
+    /// stop the others.
+    ///
+    /// # Errors
+    /// The catalogue is away: then everything stays as it is.
+    pub async fn refresh(&self) -> Result<(), DatabaseError> {
+        let _one_at_a_time = self.refreshing.lock().await;
+        let targets = self.catalogue.all_aliases().await?;
+        let before = self.snapshot.load_full();
+        let mut next = Snapshot::default();
+        for target in targets {
+            let served = self.serve(&target, &before).await;
+            next.databases.entry(target.database).or_default().insert(target.alias, served);
+        }
+        self.snapshot.store(Arc::new(next));
+        Ok(())
+    }
+
+    async fn serve(&self, target: &AliasTarget, before: &Snapshot) -> Served {
+        let old = before.databases.get(&target.database).and_then(|aliases| aliases.get(&target.alias));
+        let in_memory = self.by_number(&target.database, target.version);
+        // The digest is compared too: a database deleted and made anew counts its versions from 1 again.
+        if let Some(version) = in_memory.filter(|loaded| loaded.digest == target.digest) {
+            return Served { version: Some(version), failure: None };
+        }
+        if let Some(Served { failure: Some(failure), .. }) = old
+            && (&failure.digest, &failure.blob) == (&target.digest, &target.blob)
+            && failure.at.elapsed() < RETRY_AFTER
+        {
+            return old.cloned().unwrap_or_default();
+        }
+        match self.load(&target.database, target.version, &target.digest, &target.blob).await {
+            Ok(version) => Served { version: Some(version), failure: None },
+            Err(reason) => {
+                let (database, alias, version) = (&target.database, &target.alias, target.version);
+                tracing::error!(database, alias, version, reason, "a version can't be loaded");
+                let failure = Failure {
+                    digest: target.digest.clone(),
+                    blob: target.blob.clone(),
+                    reason,
+                    at: Instant::now(),
+                };
+                Served { version: old.and_then(|old| old.version.clone()), failure: Some(failure) }
+            }
+        }
+    }
+
+    /// Check that an artifact in the blob store reads back whole; the error is the reason, for people.
+    pub(crate) async fn check(&self, digest: &str, blob: &str) -> Result<(), String> {
+        self.load("", 0, digest, blob).await.map(drop)
+    }
+
+    /// Read, verify and index one version; the error is the reason, for people.
+    async fn load(
+        &self,
+        database: &str,
+        version: i64,
+        digest: &str,
+        blob: &str,
+    ) -> Result<Arc<LoadedVersion>, String> {
+        let name = blob.parse().map_err(|error: crate::store::BlobError| chain(&error))?;
+        let bytes = self.blobs.get(&name, u64::MAX).await.map_err(|error| chain(&error))?;
+        let read = self.compute.run(Lane::Training, 0, move || {
+            let artifact = artifact::read(&bytes)?;
+            Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))
+        });
+        let (read, _) = read.await.map_err(|error| chain(&error))?;
+        let (found, model) = read.map_err(|error| chain(&error))?;
+        if found != digest {
+            return Err(format!("its artifact is that of digest {found}, not {digest}"));
+        }
+        let Model::Landmarks(landmarks) = &model;
+        let bytes = landmarks.bytes() as u64;
+        Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, bytes }))
+    }
+
+    /// Put a version into the cache of those asked for by number.
+    fn remember(&self, version: &Arc<LoadedVersion>) {
+        let mut cache = self.cache();
+        cache.versions.push(Arc::clone(version));
+        let mut total: u64 = cache.versions.iter().map(|loaded| loaded.bytes).sum();
+        // The one just asked for stays even when it is larger than the limit: it is being used.
+        while total > cache.limit_bytes && cache.versions.len() > 1 {
+            total -= cache.versions.remove(0).bytes;
+        }
+    }
+
+    /// Drop a deleted version, or all of a deleted database, from the cache.
+    pub(super) fn forget(&self, database: &str, version: Option<i64>) {
+        let gone = |loaded: &LoadedVersion| {
+            loaded.database == database && version.is_none_or(|version| loaded.version == version)
+        };
+        self.cache().versions.retain(|loaded| !gone(loaded));
+    }
+
+    fn cache(&self) -> std::sync::MutexGuard<'_, ByNumber> {
+        self.by_number.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How each database with an alias is served, by name.
+    pub fn states(&self) -> Vec<ServedState> {
+        let snapshot = self.snapshot.load();
+        let mut states: Vec<ServedState> = snapshot
+            .databases
+            .iter()
+            .map(|(database, aliases)| ServedState {
+                database: database.clone(),
+                version: aliases.get(CURRENT).and_then(|served| served.version.as_ref()).map(|v| v.version),
+                reason: aliases.iter().find_map(|(alias, served)| {
+                    served.failure.as_ref().map(|failure| format!("alias {alias}: {}", failure.reason))
+                }),
+            })
+            .collect();
+        states.sort_by(|a, b| a.database.cmp(&b.database));
+        states
+    }
+
+    /// Number and bytes of the versions in memory.
+    pub fn held(&self) -> (usize, u64) {
+        let snapshot = self.snapshot.load();
+        let aliased = snapshot.databases.values().flat_map(BTreeMap::values);
+        let mut held: Vec<Arc<LoadedVersion>> = aliased.filter_map(|served| served.version.clone()).collect();
+        held.extend(self.cache().versions.iter().cloned());
+        held.sort_by_key(Arc::as_ptr);
+        held.dedup_by_key(|loaded| Arc::as_ptr(loaded));
+        (held.len(), held.iter().map(|loaded| loaded.bytes).sum())
+    }
+}
+
+impl Databases {
+    /// The version of that number, loaded if need be.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownVersion`], [`DatabaseError::Unloadable`].
+    pub async fn version_model(
+        &self,
+        database: &Name,
+        version: i64,
+    ) -> Result<Arc<LoadedVersion>, DatabaseError> {
+        let registry = self.registry();
+        if let Some(loaded) = registry.by_number(database.as_str(), version) {
+            return Ok(loaded);
+        }
+        let row = self.version(database, version).await?;
+        let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await;
+        let loaded = loaded.map_err(|reason| DatabaseError::Unloadable {
+            database: database.to_string(),
+            version,
+            reason,
+        })?;
+        registry.remember(&loaded);
+        Ok(loaded)
+    }
+
+    /// The version that answers for an alias, by default `current`.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownDatabase`], [`DatabaseError::NotTrained`], [`DatabaseError::UnknownAlias`], or
+    /// [`DatabaseError::Unloadable`] when the alias names a version that this process could never load.
+    pub async fn alias_model(
+        &self,
+        database: &Name,
+        alias: Option<&Name>,
+    ) -> Result<Arc<LoadedVersion>, DatabaseError> {
+        let wanted = alias.map_or(CURRENT, Name::as_str);
+        if let Some(loaded) = self.registry().by_alias(database.as_str(), wanted) {
+            return Ok(loaded);
+        }
+        self.get(database).await?;
+        let rows = self.aliases(database).await?;
+        match rows.into_iter().find(|row| row.alias == wanted) {
+            // Known to the catalogue and not here: another process moved it a moment ago, or it doesn't load.
+            Some(row) => self.version_model(database, row.version).await,
+            None if alias.is_some_and(|alias| alias.as_str() != CURRENT) => Err(DatabaseError::UnknownAlias {
+                database: database.to_string(),
+                alias: wanted.into(),
+            }),
+            None => Err(DatabaseError::NotTrained { database: database.to_string() }),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! `/v1/databases/{database}/aliases[/{alias}]`: moving names for versions. `current` answers when a call names none.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::Service;
+use super::databases::DatabasePath;
+use super::extract::{Json as JsonIn, Path};
+use super::pages::Page;
+use super::problem::{Code, Problem};
+use crate::database::{AliasExpectation, AliasRow, Name};
+
+/// The alias that a call is about.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct AliasPath {
+    /// Name of the database.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub database: Name,
+    /// Name of the alias.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub alias: Name,
+}
+
+/// Where an alias shall point.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewAlias {
+    /// Number of a version that loads.
+    #[schema(minimum = 1)]
+    pub version: i64,
+}
+
+/// An alias.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct AliasBody {
+    pub alias: String,
+    pub version: i64,
+    pub updated_at: Timestamp,
+}
+
+impl From<AliasRow> for AliasBody {
+    fn from(row: AliasRow) -> Self {
+        Self { alias: row.alias, version: row.version, updated_at: row.updated_at }
+    }
+}
+
+fn etag(revision: i64) -> HeaderValue {
+    HeaderValue::from_str(&format!("\"{revision}\"")).unwrap_or(HeaderValue::from_static("\"\""))
+}
+
+fn with_etag(status: StatusCode, row: AliasRow) -> Response {
+    let etag = etag(row.revision);
+    (status, [(header::ETAG, etag)], Json(AliasBody::from(row))).into_response()
+}
+
+/// What `If-Match` and `If-None-Match` say the alias is now.
+fn expected(headers: &HeaderMap) -> Result<AliasExpectation, Problem> {
+    let wrong = |name: &str| {
+        Problem::new(Code::MalformedRequest, format!("{name} must be one ETag as GET of the alias gives it"))
+    };
+    if let Some(value) = headers.get(header::IF_NONE_MATCH) {
+        return if value == "*" { Ok(AliasExpectation::Absent) } else { Err(wrong("If-None-Match (or *)")) };
+    }
+    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(AliasExpectation::Any) };
+    let text = value.to_str().map_err(|_| wrong("If-Match"))?;
+    if text == "*" {
+        // Any alias that is there: none is at revision 0, so an absent one would be found below.
+        return Ok(AliasExpectation::Any);
+    }
+    let quoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+    let revision = quoted.and_then(|text| text.parse().ok());
+    revision.map(AliasExpectation::Revision).ok_or(wrong("If-Match"))
+}
+
+/// Point an alias to a version. The answer comes when this process serves it.
+#[utoipa::path(
+    put, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    request_body = NewAlias,
+    responses(
+        (status = 200, body = AliasBody, description = "Moved", headers(("ETag" = String))),
+        (status = 201, body = AliasBody, description = "Created", headers(("ETag" = String))),
+    )
+)]
+pub async fn put(
+    State(service): State<Service>,
+    Path(path): Path<AliasPath>,
+    headers: HeaderMap,
+    JsonIn(new): JsonIn<NewAlias>,
+) -> Result<Response, Problem> {
+    let expected = expected(&headers)?;
+    service.databases.get(&path.database).await?;
+    let set = service.databases.set_alias(&path.database, &path.alias, new.version, expected);
+    let (row, created) = set.await?;
+    Ok(with_etag(if created { StatusCode::CREATED } else { StatusCode::OK }, row))
+}
+
+/// One alias.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    responses((status = 200, body = AliasBody, headers(("ETag" = String))))
+)]
+pub async fn get(State(service): State<Service>, Path(path): Path<AliasPath>) -> Result<Response, Problem> {
+    service.databases.get(&path.database).await?;
+    let row = service.databases.alias(&path.database, &path.alias).await?;
+    Ok(with_etag(StatusCode::OK, row))
+}
+
+/// The aliases of a database, by name.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/aliases", tag = "databases", params(DatabasePath),
+    responses((status = 200, body = Page<AliasBody>))
+)]
+pub async fn list(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+) -> Result<Json<Page<AliasBody>>, Problem> {
+    service.databases.get(&path.database).await?;
+    let rows = service.databases.aliases(&path.database).await?;
+    Ok(Json(Page { items: rows.into_iter().map(AliasBody::from).collect(), next_cursor: None }))
+}
+
+/// Delete an alias; its version stays.
+#[utoipa::path(
+    delete, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    responses((status = 204, description = "Gone"))
+)]
+pub async fn delete(
+    State(service): State<Service>,
+    Path(path): Path<AliasPath>,
+    headers: HeaderMap,
+) -> Result<StatusCode, Problem> {
+    let expected = expected(&headers)?;
+    service.databases.get(&path.database).await?;
+    service.databases.delete_alias(&path.database, &path.alias, expected).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

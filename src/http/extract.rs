@@ -1,0 +1,156 @@
+//! What handlers take from a request: path, query and JSON, with problems instead of the framework's plain texts.
+
+use axum::body::Bytes;
+use axum::extract::{FromRequest, FromRequestParts, Request};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, header};
+use serde::de::DeserializeOwned;
+
+use super::problem::{Code, FieldError, Problem};
+use super::{Service, body};
+
+/// Path parameters.
+pub struct Path<T>(pub T);
+
+impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Path<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, service: &Service) -> Result<Self, Problem> {
+        let taken = axum::extract::Path::<T>::from_request_parts(parts, service).await;
+        let axum::extract::Path(value) =
+            taken.map_err(|rejection| Problem::field("#path", rejection.body_text()))?;
+        Ok(Self(value))
+    }
+}
+
+/// Query parameters; unknown ones are refused by the types (`deny_unknown_fields`).
+pub struct Query<T>(pub T);
+
+impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Query<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, service: &Service) -> Result<Self, Problem> {
+        let taken = axum::extract::Query::<T>::from_request_parts(parts, service).await;
+        let axum::extract::Query(value) =
+            taken.map_err(|rejection| Problem::field("#query", rejection.body_text()))?;
+        Ok(Self(value))
+    }
+}
+
+/// A JSON body.
+pub struct Json<T>(pub T);
+
+/// Largest JSON body: the longest that any call needs is a few kilobytes.
+const MAX_JSON_BYTES: u64 = 1 << 20;
+/// Deepest nesting of a JSON body.
+const MAX_JSON_DEPTH: usize = 32;
+
+impl<T: DeserializeOwned> FromRequest<Service> for Json<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, service: &Service) -> Result<Self, Problem> {
+        let (parts, body) = request.into_parts();
+        match essence(&parts.headers).as_deref() {
+            None | Some("application/json") => {}
+            Some(other) => {
+                return Err(Problem::new(
+                    Code::UnsupportedMediaType,
+                    format!("this call takes JSON, not {other}: send -H 'Content-Type: application/json'"),
+                ));
+            }
+        }
+        let bytes = body::read_whole(&parts.headers, body, MAX_JSON_BYTES, &service.limits).await?;
+        from_json(&bytes).map(Self)
+    }
+}
+
+/// Read JSON: text that doesn't parse is malformed, a value of the wrong shape is a field at fault.
+pub fn from_json<T: DeserializeOwned>(bytes: &Bytes) -> Result<T, Problem> {
+    let bytes: &[u8] = if bytes.is_empty() { b"{}" } else { bytes };
+    if nesting(bytes) > MAX_JSON_DEPTH {
+        return Err(Problem::new(
+            Code::MalformedRequest,
+            format!("the JSON is nested deeper than {MAX_JSON_DEPTH}"),
+        ));
+    }
+    // Parsed as a value first, so that a syntax error behind a wrong field is still a syntax error.
+    let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
+        Problem::new(Code::MalformedRequest, format!("the body is not valid JSON: {error}"))
+    })?;
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let pointer = pointer(error.path());
+        Problem::fields(vec![FieldError { pointer, detail: error.inner().to_string() }])
+    })
+}
+
+/// The JSON pointer of a path.
+fn pointer(path: &serde_path_to_error::Path) -> String {
+    use serde_path_to_error::Segment;
+    path.iter().fold(String::new(), |text, segment| match segment {
+        Segment::Seq { index } => format!("{text}/{index}"),
+        Segment::Map { key } => format!("{text}/{}", key.replace('~', "~0").replace('/', "~1")),
+        Segment::Enum { .. } | Segment::Unknown => text,
+    })
+}
+
+/// How deep brackets nest, strings left out; text that is no JSON gives some number and fails later.
+fn nesting(bytes: &[u8]) -> usize {
+    let (mut depth, mut deepest, mut in_string, mut escaped) = (0_usize, 0, false, false);
+    for &byte in bytes {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' => in_string = !in_string,
+            b'[' | b'{' if !in_string => {
+                depth += 1;
+                deepest = deepest.max(depth);
+            }
+            b']' | b'}' if !in_string => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    deepest
+}
+
+/// The media type of a body without its parameters, in lower case; none when it isn't declared.
+pub fn essence(headers: &HeaderMap) -> Option<String> {
+    let declared = headers.get(header::CONTENT_TYPE)?.to_str().ok()?;
+    let essence = declared.split(';').next()?.trim().to_ascii_lowercase();
+    (!essence.is_empty()).then_some(essence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        #[serde(rename = "inner")]
+        _inner: Vec<Inner>,
+    }
+
+    #[derive(Debug, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        #[serde(rename = "n")]
+        _n: u8,
+    }
+
+    #[test]
+    fn a_wrong_field_is_pointed_to_and_broken_json_is_malformed() {
+        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":1},{"n":300}]}"#)).unwrap_err();
+        assert_eq!((problem.status, problem.errors[0].pointer.as_str()), (422, "/inner/1/n"));
+        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":"#)).unwrap_err();
+        assert_eq!(problem.status, 400);
+        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":300}"#)).unwrap_err();
+        assert_eq!(problem.status, 400);
+    }
+
+    #[test]
+    fn deep_nesting_is_refused_and_brackets_in_strings_do_not_count() {
+        assert_eq!(nesting(br#"{"a":"[[[[\"[[","b":[{}]}"#), 3);
+        let deep = Bytes::from("[".repeat(5000));
+        assert_eq!(from_json::<serde_json::Value>(&deep).unwrap_err().status, 400);
+    }
+}

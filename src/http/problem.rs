@@ -1,0 +1,313 @@
+//! Problem documents (RFC 9457): one table of codes, their status and title. The text says what to do next.
+
+use axum::Json;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::compute::ComputeError;
+use crate::database::DatabaseError;
+use crate::database::artifact::ArtifactError;
+use crate::imaging::DecodeError;
+use crate::jobs::JobError;
+use crate::store::{BlobError, CatalogueError};
+use crate::telemetry::chain;
+
+macro_rules! codes {
+    ($($code:ident $word:literal $status:ident $title:literal,)+) => {
+        /// What went wrong, as programs tell it apart.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Code { $(#[doc = $title] $code),+ }
+
+        impl Code {
+            /// Every code.
+            pub const ALL: &[Code] = &[$(Code::$code),+];
+
+            /// The word in `code`.
+            pub const fn word(self) -> &'static str { match self { $(Code::$code => $word),+ } }
+
+            /// The HTTP status it comes with.
+            pub const fn status(self) -> StatusCode { match self { $(Code::$code => StatusCode::$status),+ } }
+
+            /// One line on the kind of problem, the same for every case of it.
+            pub const fn title(self) -> &'static str { match self { $(Code::$code => $title),+ } }
+        }
+    };
+}
+
+codes! {
+    MalformedRequest "malformed_request" BAD_REQUEST "The request can't be read",
+    MissingFilter "missing_filter" BAD_REQUEST "The call must say which ones it means",
+    EmptyImage "empty_image" BAD_REQUEST "The request holds no picture",
+    CorruptImage "corrupt_image" BAD_REQUEST "The picture is damaged",
+    UnknownRoute "unknown_route" NOT_FOUND "There is nothing at this address",
+    UnknownDatabase "unknown_database" NOT_FOUND "There is no such database",
+    UnknownExemplar "unknown_exemplar" NOT_FOUND "There is no such exemplar",
+    UnknownVersion "unknown_version" NOT_FOUND "There is no such version",
+    UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias",
+    UnknownJob "unknown_job" NOT_FOUND "There is no such job",
+    MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
+    NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
+    BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly",
+    KindConflict "kind_conflict" CONFLICT "The database is of another kind",
+    NotTrained "not_trained" CONFLICT "The database has no version yet",
+    VersionInUse "version_in_use" CONFLICT "An alias points to the version",
+    VersionUnloadable "version_unloadable" CONFLICT "The version can't be loaded",
+    JobEnded "job_ended" CONFLICT "The job has ended",
+    PreconditionFailed "precondition_failed" PRECONDITION_FAILED "It has changed since you looked",
+    BodyTooLarge "body_too_large" PAYLOAD_TOO_LARGE "The body is too large",
+    UnsupportedMediaType "unsupported_media_type" UNSUPPORTED_MEDIA_TYPE "This type of content isn't taken here",
+    UnsupportedImageFormat "unsupported_image_format" UNSUPPORTED_MEDIA_TYPE "The picture's format isn't read",
+    InvalidField "invalid_field" UNPROCESSABLE_ENTITY "A field is missing, unknown or impossible",
+    ImageTooLarge "image_too_large" UNPROCESSABLE_ENTITY "The picture has too many pixels",
+    NoExemplars "no_exemplars" UNPROCESSABLE_ENTITY "There is nothing to train from",
+    TooFewPoints "too_few_points" UNPROCESSABLE_ENTITY "The exemplars have too few interest points",
+    UnreadableExemplar "unreadable_exemplar" UNPROCESSABLE_ENTITY "An exemplar can't be read",
+    InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
+    NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
+    Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done",
+    DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
+    CatalogueUnavailable "catalogue_unavailable" SERVICE_UNAVAILABLE "The catalogue is away",
+    BlobsUnavailable "blobs_unavailable" SERVICE_UNAVAILABLE "The blob store is away",
+    WorkerLost "worker_lost" INTERNAL_SERVER_ERROR "The job's workers died, time after time",
+    Internal "internal" INTERNAL_SERVER_ERROR "Something is wrong in the service",
+}
+
+impl Code {
+    /// The code of that word: problems of jobs are kept by it.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|code| code.word() == word)
+    }
+}
+
+/// A field that is at fault.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+pub struct FieldError {
+    /// JSON pointer (RFC 6901) into the body, or the name of the query or path parameter after `#`.
+    #[schema(example = "/options/rings")]
+    pub pointer: String,
+    /// What is wrong with it.
+    pub detail: String,
+}
+
+/// A problem document, `application/problem+json`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Problem {
+    /// The kind of problem, as a URN.
+    #[serde(rename = "type")]
+    #[schema(example = "urn:landmarkd:problem:not_trained")]
+    pub kind: String,
+    /// One line on the kind of problem.
+    pub title: String,
+    /// The HTTP status.
+    #[schema(example = 409)]
+    pub status: u16,
+    /// What happened here, and what to do.
+    pub detail: String,
+    /// The kind of problem, for programs.
+    #[schema(example = "not_trained")]
+    pub code: String,
+    /// The request's id, as in `X-Request-Id`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub request_id: Option<String>,
+    /// The fields at fault.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub errors: Vec<FieldError>,
+    #[serde(skip)]
+    #[schema(ignore)]
+    retry_after_s: Option<u64>,
+}
+
+impl Problem {
+    /// A problem of this kind.
+    pub fn new(code: Code, detail: impl Into<String>) -> Self {
+        Self {
+            kind: format!("urn:landmarkd:problem:{}", code.word()),
+            title: code.title().into(),
+            status: code.status().as_u16(),
+            detail: detail.into(),
+            code: code.word().into(),
+            request_id: None,
+            errors: Vec::new(),
+            retry_after_s: (code.status() == StatusCode::SERVICE_UNAVAILABLE).then_some(1),
+        }
+    }
+
+    /// Fields at fault, all of them.
+    pub fn fields(errors: Vec<FieldError>) -> Self {
+        let named: Vec<String> =
+            errors.iter().map(|error| format!("{} {}", error.pointer, error.detail)).collect();
+        Self { errors, ..Self::new(Code::InvalidField, named.join("; ")) }
+    }
+
+    /// One field at fault.
+    pub fn field(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self::fields(vec![FieldError { pointer: pointer.into(), detail: detail.into() }])
+    }
+
+    /// The problem kept with a failed job.
+    pub fn of_job(document: &str) -> Self {
+        let kept: serde_json::Value = serde_json::from_str(document).unwrap_or_default();
+        let code = kept["code"].as_str().and_then(Code::of_word).unwrap_or(Code::Internal);
+        Self::new(code, kept["detail"].as_str().unwrap_or("the job failed and left no reason"))
+    }
+
+    /// A failure that is ours: logged with its causes, told without them.
+    fn internal(error: &dyn std::error::Error) -> Self {
+        tracing::error!(error = chain(error), "internal error");
+        Self::new(
+            Code::Internal,
+            "something went wrong in the service; the log has it under this request's id",
+        )
+    }
+
+    /// The document with the request's id.
+    pub fn with_request_id(self, request_id: Option<String>) -> Self {
+        Self { request_id, ..self }
+    }
+
+    /// The document as a response body. The rim calls this once it knows the request's id.
+    pub fn render(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let retry_after = self.retry_after_s;
+        let mut response = (status, Json(self)).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if let Some(seconds) = retry_after {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+        }
+        response
+    }
+}
+
+/// Leaves the document in the response's extensions; the rim renders it with the request's id.
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = status.into_response();
+        response.extensions_mut().insert(self);
+        response
+    }
+}
+
+impl From<DecodeError> for Problem {
+    fn from(error: DecodeError) -> Self {
+        let code = match &error {
+            DecodeError::Empty => Code::EmptyImage,
+            DecodeError::UnknownFormat => Code::UnsupportedImageFormat,
+            DecodeError::TooLarge { .. } | DecodeError::TooMuchMemory { .. } => Code::ImageTooLarge,
+            DecodeError::Corrupt { .. } => Code::CorruptImage,
+        };
+        Self::new(code, chain(&error))
+    }
+}
+
+impl From<ComputeError> for Problem {
+    fn from(error: ComputeError) -> Self {
+        match error {
+            ComputeError::Full { retry_after, .. } => Self {
+                retry_after_s: Some(retry_after.as_secs().max(1)),
+                ..Self::new(Code::Overloaded, format!("{error}: try again a little later"))
+            },
+            error => Self::internal(&error),
+        }
+    }
+}
+
+impl From<CatalogueError> for Problem {
+    fn from(error: CatalogueError) -> Self {
+        match error {
+            CatalogueError::Unavailable { .. } => {
+                tracing::warn!(error = chain(&error), "the catalogue is away");
+                Self::new(
+                    Code::CatalogueUnavailable,
+                    "the catalogue can't be reached; recognition goes on from memory, try this again soon",
+                )
+            }
+            CatalogueError::NotFound { what } => Self::new(Code::UnknownDatabase, format!("{what}: it was deleted meanwhile")),
+            error => Self::internal(&error),
+        }
+    }
+}
+
+impl From<DatabaseError> for Problem {
+    fn from(error: DatabaseError) -> Self {
+        let text = error.to_string();
+        let problem = |code, advice: &str| Self::new(code, format!("{text}{advice}"));
+        match error {
+            DatabaseError::UnknownDatabase { .. } => {
+                problem(Code::UnknownDatabase, "; create it with PUT /v1/databases/{database}")
+            }
+            DatabaseError::UnknownExemplar { .. } => problem(Code::UnknownExemplar, ""),
+            DatabaseError::UnknownVersion { .. } => problem(Code::UnknownVersion, ""),
+            DatabaseError::UnknownAlias { .. } => problem(Code::UnknownAlias, ""),
+            DatabaseError::KindConflict { .. } => {
+                problem(Code::KindConflict, ": delete it first, or take another name")
+            }
+            DatabaseError::NotTrained { .. } => problem(
+                Code::NotTrained,
+                ": post exemplars, then POST /v1/databases/{database}/trainings and wait for the job",
+            ),
+            DatabaseError::VersionInUse { .. } => {
+                problem(Code::VersionInUse, ": point the alias elsewhere first")
+            }
+            DatabaseError::PreconditionFailed => {
+                problem(Code::PreconditionFailed, ": read it again and decide anew")
+            }
+            DatabaseError::EmptyFilter => {
+                problem(Code::MissingFilter, ": give ?label= or ?robot_id=, absent never means all")
+            }
+            DatabaseError::Unloadable { .. } => problem(Code::VersionUnloadable, ""),
+            DatabaseError::InvalidArtifact { source } => {
+                let code = match source {
+                    ArtifactError::KindUnknown { .. } => Code::NotYet,
+                    _ => Code::InvalidArtifact,
+                };
+                Self::new(code, chain(&source))
+            }
+            DatabaseError::Catalogue { source } => source.into(),
+            DatabaseError::Blobs { source: source @ BlobError::Unavailable { .. } } => {
+                tracing::warn!(error = chain(&source), "the blob store is away");
+                Self::new(Code::BlobsUnavailable, "the blob store can't be reached; try this again soon")
+            }
+            DatabaseError::Blobs { source } => Self::internal(&source),
+            DatabaseError::Compute { source } => source.into(),
+        }
+    }
+}
+
+impl From<JobError> for Problem {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Unknown { .. } => Self::new(Code::UnknownJob, error.to_string()),
+            JobError::Ended { .. } => Self::new(Code::JobEnded, error.to_string()),
+            JobError::NoExemplars { .. } => {
+                Self::new(Code::NoExemplars, format!("{error}: post some, then train"))
+            }
+            JobError::Database(source) => source.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_has_a_word_of_its_own_and_is_found_by_it() {
+        for code in Code::ALL {
+            assert_eq!(Code::of_word(code.word()), Some(*code));
+            assert!(code.status().is_client_error() || code.status().is_server_error());
+        }
+    }
+
+    #[test]
+    fn every_unavailable_answer_says_when_to_come_back() {
+        for code in Code::ALL {
+            let response = Problem::new(*code, "x").render();
+            let says = response.headers().contains_key(header::RETRY_AFTER);
+            assert_eq!(says, response.status() == StatusCode::SERVICE_UNAVAILABLE, "{}", code.word());
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The rim around every route: request id, span, deadline, panics, problem documents, metrics, one log line.
+
+use std::panic::AssertUnwindSafe;
+use std::time::{Duration, Instant};
+
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::HeaderValue;
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use futures_util::FutureExt;
+use tracing::Instrument;
+use uuid::Uuid;
+
+use super::Service;
+use super::problem::{Code, Problem};
+use crate::compute::panic_message;
+
+const REQUEST_ID: &str = "x-request-id";
+/// Longest request id taken from a caller.
+const MAX_REQUEST_ID_BYTES: usize = 128;
+/// Batches and artifacts carry many pictures' worth of work.
+const LONG_CALL: u32 = 10;
+
+/// See the module.
+pub async fn rim(State(service): State<Service>, request: Request, next: Next) -> Response {
+    let started = Instant::now();
+    let request_id = request_id(&request);
+    let method = request.method().clone();
+    let path = request.uri().path().to_owned();
+    let route = request.extensions().get::<MatchedPath>().map_or("unmatched".into(), |m| m.as_str().to_owned());
+    let span = tracing::info_span!("request", %method, path, request_id, trace_id = trace_id(&request));
+    let deadline = deadline(&service, &route);
+
+    let answer = AssertUnwindSafe(next.run(request)).catch_unwind();
+    let mut response = match tokio::time::timeout(deadline, answer).instrument(span.clone()).await {
+        Ok(Ok(response)) => response,
+        Ok(Err(panic)) => {
+            let message = panic_message(&*panic);
+            span.in_scope(|| tracing::error!(message, "a handler panicked"));
+            Problem::new(Code::Internal, "something went wrong in the service; the log has it").into_response()
+        }
+        Err(_) => Problem::new(
+            Code::DeadlineExceeded,
+            format!("the answer was not ready within {} s: try again, or send less at once", deadline.as_secs()),
+        )
+        .into_response(),
+    };
+    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+        let held = std::mem::take(response.headers_mut());
+        response = problem.with_request_id(Some(request_id.clone())).render();
+        // Headers that the handler or the router set (Allow) stay; ours win.
+        for (name, value) in held {
+            if let Some(name) = name.filter(|name| !response.headers().contains_key(name)) {
+                response.headers_mut().insert(name, value);
+            }
+        }
+    }
+    if let Ok(value) = HeaderValue::from_str(&request_id) {
+        response.headers_mut().insert(REQUEST_ID, value);
+    }
+    let status = response.status().as_u16();
+    service.metrics.request(method.as_str(), &route, status, started.elapsed());
+    span.in_scope(|| tracing::info!(status, took_ms = started.elapsed().as_secs_f64() * 1e3, "answered"));
+    response
+}
+
+fn deadline(service: &Service, route: &str) -> Duration {
+    let long = route.ends_with(":batch") || route.ends_with("/versions");
+    service.limits.request_timeout * if long { LONG_CALL } else { 1 }
+}
+
+/// The caller's id, if it sent a usable one, or a new one.
+fn request_id(request: &Request) -> String {
+    let sent = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok());
+    let usable = |id: &&str| !id.is_empty() && id.len() <= MAX_REQUEST_ID_BYTES;
+    sent.filter(usable).map_or_else(|| Uuid::now_v7().to_string(), str::to_owned)
+}
+
+/// The trace id of a W3C `traceparent` (`version-trace-parent-flags`), if the caller sent one.
+fn trace_id(request: &Request) -> Option<String> {
+    let sent = request.headers().get("traceparent")?.to_str().ok()?;
+    let id = sent.split('-').nth(1)?;
+    (id.len() == 32 && id.bytes().all(|c| c.is_ascii_hexdigit())).then(|| id.to_owned())
+}
+
+/// Answers addresses that no route has.
+pub async fn unknown_route(request: Request) -> Problem {
+    Problem::new(
+        Code::UnknownRoute,
+        format!("there is nothing at {}: GET /openapi.json lists every call", request.uri().path()),
+    )
+}
+
+/// Answers methods that a route doesn't take.
+pub async fn method_not_allowed(request: Request) -> Problem {
+    Problem::new(
+        Code::MethodNotAllowed,
+        format!("{} doesn't take {}: see /docs", request.uri().path(), request.method()),
+    )
+}
