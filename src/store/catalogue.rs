@@ -251,7 +251,7 @@ pub struct JobRow {
     pub progress: Option<Progress>,
     /// Counts the claims; a worker's writes must name the one it was given.
     pub token: i64,
-    /// The worker that holds the job, or held it last.
+    /// The worker that holds the job, or held it when it ended; none while it waits.
     pub owner: Option<String>,
     /// When a running job may be claimed by another worker.
     pub lease_until: Option<Timestamp>,
@@ -288,7 +288,7 @@ pub struct JobEventRow {
     pub job: Uuid,
     /// Counts 1, 2, 3 … for each job.
     pub sequence: i64,
-    /// The whole row as it was then, but for `lease_until` and `cancel_requested`, which are the present ones.
+    /// The whole row as it was then.
     pub body: JobRow,
     pub created_at: Timestamp,
 }
@@ -482,7 +482,7 @@ pub trait Catalogue: Send + Sync + 'static {
     /// One that was asked to end is cancelled. For graceful shutdown.
     async fn hand_back_jobs(&self, owner: &str) -> Result<u64, CatalogueError>;
 
-    /// Ends the leases of every other owner now; gives their number.
+    /// Ends the leases of every other owner now; gives the number that had time left.
     ///
     /// Only for an embedded catalogue, where holding the folder's lock proves that every other owner is dead.
     async fn release_dead_leases(&self, except_owner: &str) -> Result<u64, CatalogueError>;
