@@ -1,0 +1,486 @@
+//! Bytes named by their content: exemplar images and version artifacts.
+//!
+//! A name is the BLAKE3 hash of the bytes, 64 lower-case hexadecimal digits; `abcdef…` is stored as
+//! `ab/abcdef…`. So a blob is never changed, writing one twice is one blob, and reading one proves it.
+//! A path is only ever made from such a name, never from anything a client sent.
+
+use std::fmt;
+use std::io;
+use std::path::Path as FilePath;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use futures_util::TryStreamExt;
+use jiff::Timestamp;
+use object_store::local::LocalFileSystem;
+use object_store::path::Path;
+use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt, PutMode};
+use tokio::sync::RwLock;
+
+use super::catalogue::{Catalogue, CatalogueError};
+use super::folder::FolderLock;
+
+/// An object beside the blobs whose presence shows that the store is there and is ours.
+const MARKER: &str = "landmarkd-blobs";
+
+/// The name of a blob: the BLAKE3 hash of its content.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BlobName([u8; 32]);
+
+impl BlobName {
+    /// Names a content.
+    pub fn of(content: &[u8]) -> Self {
+        Self(*blake3::hash(content).as_bytes())
+    }
+
+    fn path(self) -> Path {
+        let digits = self.to_string();
+        Path::from_iter([&digits[..2], digits.as_str()])
+    }
+
+    /// The name of a stored object; none for anything that isn't a blob.
+    fn at(path: &Path) -> Option<Self> {
+        let name: Self = path.filename()?.parse().ok()?;
+        (name.path() == *path).then_some(name)
+    }
+}
+
+impl fmt::Display for BlobName {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(formatter, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for BlobName {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "BlobName({self})")
+    }
+}
+
+/// The text is no blob name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{text:?} is no blob name: 64 lower-case hexadecimal digits are")]
+pub struct InvalidBlobName {
+    pub text: String,
+}
+
+impl FromStr for BlobName {
+    type Err = InvalidBlobName;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let invalid = || InvalidBlobName { text: text.to_owned() };
+        let mut name = [0; 32];
+        let (pairs, []) = text.as_bytes().as_chunks::<2>() else { return Err(invalid()) };
+        if pairs.len() != name.len() {
+            return Err(invalid());
+        }
+        for (byte, &[high, low]) in name.iter_mut().zip(pairs) {
+            *byte = digit(high).zip(digit(low)).map(|(high, low)| high << 4 | low).ok_or_else(invalid)?;
+        }
+        Ok(Self(name))
+    }
+}
+
+fn digit(character: u8) -> Option<u8> {
+    match character {
+        b'0'..=b'9' => Some(character - b'0'),
+        b'a'..=b'f' => Some(character - b'a' + 10),
+        _ => None,
+    }
+}
+
+/// What a call on the blobs can fail with.
+#[derive(Debug, thiserror::Error)]
+pub enum BlobError {
+    /// The store can't be reached or can't write now (away, no rights, disk full); it may heal by itself.
+    #[error("the blob store is unavailable")]
+    Unavailable {
+        #[source]
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// There is no such blob.
+    #[error("blob {name} does not exist")]
+    NotFound { name: BlobName },
+    /// The blob is larger than the caller would take; nothing was read.
+    #[error("blob {name} has {bytes} bytes, more than the {max_bytes} allowed")]
+    TooLarge { name: BlobName, bytes: u64, max_bytes: u64 },
+    /// The bytes that stand under the name aren't the ones that were put there.
+    #[error("blob {name} is corrupt: its content hashes to {found}")]
+    Corrupt { name: BlobName, found: BlobName },
+    /// Collecting orphans needs the catalogue, and it failed.
+    #[error("the catalogue cannot say which blobs are in use")]
+    Catalogue {
+        #[source]
+        source: CatalogueError,
+    },
+}
+
+impl From<object_store::Error> for BlobError {
+    fn from(error: object_store::Error) -> Self {
+        Self::Unavailable { source: error.into() }
+    }
+}
+
+impl From<io::Error> for BlobError {
+    fn from(error: io::Error) -> Self {
+        Self::Unavailable { source: error.into() }
+    }
+}
+
+/// The blobs of a store; copies share it.
+#[derive(Debug, Clone)]
+pub struct Blobs {
+    store: Arc<dyn ObjectStore>,
+    /// Shared by those who put, held alone by the collector while it looks at an orphan's age and deletes it.
+    collection: Arc<RwLock<()>>,
+    _lock: Arc<FolderLock>,
+}
+
+impl Blobs {
+    /// Opens the blobs in a folder, creating it where needed; what is put there is synced to the disk.
+    ///
+    /// The lock of the data folder is kept as long as the blobs live.
+    pub(super) async fn in_folder(folder: &FilePath, lock: Arc<FolderLock>) -> Result<Self, BlobError> {
+        std::fs::create_dir_all(folder)?;
+        remove_unfinished(folder)?;
+        let store = LocalFileSystem::new_with_prefix(folder)?.with_fsync(true);
+        store
+            .put(&Path::from(MARKER), Bytes::from_static(b"blobs of landmarkd, named by content\n").into())
+            .await?;
+        Ok(Self { store: Arc::new(store), collection: Arc::default(), _lock: lock })
+    }
+
+    /// Succeeds when the store is there.
+    pub async fn ping(&self) -> Result<(), BlobError> {
+        self.store.head(&Path::from(MARKER)).await?;
+        Ok(())
+    }
+
+    /// Stores a content durably and names it; one that is already there is a success.
+    ///
+    /// Storing it again renews its age, so that the collector leaves it alone until its row is written, and
+    /// mends it if it was damaged.
+    pub async fn put(&self, content: Bytes) -> Result<BlobName, BlobError> {
+        let name = name_of(content.clone()).await?;
+        let _not_collecting = self.collection.read().await;
+        let created = self.store.put_opts(&name.path(), content.clone().into(), PutMode::Create.into()).await;
+        match created {
+            Ok(_) => {}
+            Err(object_store::Error::AlreadyExists { .. }) => {
+                self.store.put(&name.path(), content.into()).await?;
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(name)
+    }
+
+    /// Reads a blob and proves its content. Errors: `NotFound`, `TooLarge`, `Corrupt`.
+    pub async fn get(&self, name: BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
+        let found = match self.store.get(&name.path()).await {
+            Err(object_store::Error::NotFound { .. }) => return Err(BlobError::NotFound { name }),
+            other => other?,
+        };
+        let bytes = found.meta.size;
+        if bytes > max_bytes {
+            return Err(BlobError::TooLarge { name, bytes, max_bytes });
+        }
+        let content = found.bytes().await?;
+        let found = name_of(content.clone()).await?;
+        if found == name { Ok(content) } else { Err(BlobError::Corrupt { name, found }) }
+    }
+
+    /// True when the blob is there; its content isn't read.
+    pub async fn exists(&self, name: BlobName) -> Result<bool, BlobError> {
+        Ok(self.metadata(name).await?.is_some())
+    }
+
+    /// Deletes a blob; false when there was none.
+    ///
+    /// The caller knows that no row names it; `Blobs::collect_orphans` is the way that finds out.
+    pub async fn delete(&self, name: BlobName) -> Result<bool, BlobError> {
+        match self.store.delete(&name.path()).await {
+            Ok(()) => Ok(true),
+            Err(object_store::Error::NotFound { .. }) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Deletes the blobs that no row names and that were put longer ago than `older_than`; gives their number.
+    ///
+    /// `older_than` must exceed the time that a request or a job may take between putting a blob and writing its
+    /// row. Whatever else stands in the store is left alone. Errors: `Catalogue`; what was deleted until then was
+    /// rightly deleted.
+    pub async fn collect_orphans(
+        &self,
+        older_than: Duration,
+        catalogue: &dyn Catalogue,
+    ) -> Result<u64, BlobError> {
+        let mut removed = 0;
+        let mut objects = self.store.list(None);
+        while let Some(object) = objects.try_next().await? {
+            let Some(name) = BlobName::at(&object.location) else { continue };
+            if is_older(&object, older_than)
+                && !is_referenced(name, catalogue).await?
+                && self.delete_if_older(name, older_than).await?
+            {
+                removed += 1;
+            }
+        }
+        Ok(removed)
+    }
+
+    /// Looks at the age once more with everybody who puts kept out: a blob put again in the meantime stays.
+    async fn delete_if_older(&self, name: BlobName, older_than: Duration) -> Result<bool, BlobError> {
+        let _collecting = self.collection.write().await;
+        match self.metadata(name).await? {
+            Some(metadata) if is_older(&metadata, older_than) => self.delete(name).await,
+            _ => Ok(false),
+        }
+    }
+
+    async fn metadata(&self, name: BlobName) -> Result<Option<ObjectMeta>, BlobError> {
+        match self.store.head(&name.path()).await {
+            Ok(metadata) => Ok(Some(metadata)),
+            Err(object_store::Error::NotFound { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+async fn is_referenced(name: BlobName, catalogue: &dyn Catalogue) -> Result<bool, BlobError> {
+    catalogue.is_blob_referenced(&name.to_string()).await.map_err(|source| BlobError::Catalogue { source })
+}
+
+fn is_older(object: &ObjectMeta, age: Duration) -> bool {
+    let put_at_us = object.last_modified.timestamp_micros();
+    let age_us = Timestamp::now().as_microsecond().saturating_sub(put_at_us);
+    u128::try_from(age_us).is_ok_and(|age_us| age_us > age.as_micros())
+}
+
+/// Hashes off the async threads: an artifact may have hundreds of megabytes.
+async fn name_of(content: Bytes) -> Result<BlobName, BlobError> {
+    tokio::task::spawn_blocking(move || BlobName::of(&content))
+        .await
+        .map_err(|error| BlobError::Unavailable { source: error.into() })
+}
+
+/// Removes what a crash left of unfinished writes: files `<name>#<number>`, which the store never lists.
+fn remove_unfinished(folder: &FilePath) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            remove_unfinished(&entry.path())?;
+        } else if entry.file_name().to_string_lossy().contains('#') {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::store::{ExemplarRow, Folder, open_folder};
+
+    struct Fixture {
+        directory: tempfile::TempDir,
+        folder: Folder,
+    }
+
+    impl Fixture {
+        async fn new() -> Self {
+            let directory = tempfile::tempdir().unwrap();
+            let folder = open_folder(directory.path()).await.unwrap();
+            Self { directory, folder }
+        }
+
+        fn blobs(&self) -> &Blobs {
+            &self.folder.blobs
+        }
+
+        fn file(&self, name: BlobName) -> PathBuf {
+            let digits = name.to_string();
+            self.directory.path().join("blobs").join(&digits[..2]).join(digits)
+        }
+
+        /// Makes a blob look as if it had been put an hour ago.
+        fn age(&self, name: BlobName) {
+            let file = std::fs::File::options().append(true).open(self.file(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(3600)).unwrap();
+        }
+
+        async fn collect(&self, older_than: Duration) -> u64 {
+            self.blobs().collect_orphans(older_than, &*self.folder.catalogue).await.unwrap()
+        }
+
+        async fn refer_to(&self, blob: BlobName) {
+            self.folder.catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+            let row = ExemplarRow {
+                database: "lab".to_owned(),
+                id: uuid::Uuid::from_u128(1),
+                label: "kitchen".to_owned(),
+                pose_deg: None,
+                width_px: 1,
+                height_px: 1,
+                bytes: 1,
+                sha256: String::new(),
+                blob: blob.to_string(),
+                media_type: "image/png".to_owned(),
+                robot_id: None,
+                frame_id: None,
+                stamp: None,
+                created_at: Timestamp::UNIX_EPOCH,
+            };
+            self.folder.catalogue.insert_exemplar(&row).await.unwrap();
+        }
+    }
+
+    const HALF_AN_HOUR: Duration = Duration::from_secs(1800);
+
+    #[tokio::test]
+    async fn a_blob_comes_back_under_the_hash_of_its_content() {
+        let fixture = Fixture::new().await;
+        fixture.blobs().ping().await.unwrap();
+        for content in [Bytes::new(), Bytes::from_static(b"picture"), Bytes::from(vec![7; 3 << 20])] {
+            let name = fixture.blobs().put(content.clone()).await.unwrap();
+            assert_eq!(name, BlobName::of(&content));
+            assert!(fixture.file(name).is_file());
+            assert!(fixture.blobs().exists(name).await.unwrap());
+            assert_eq!(fixture.blobs().get(name, content.len() as u64).await.unwrap(), content);
+            assert_eq!(fixture.blobs().put(content).await.unwrap(), name);
+            assert!(fixture.blobs().delete(name).await.unwrap());
+            assert!(!fixture.blobs().delete(name).await.unwrap());
+            assert!(!fixture.blobs().exists(name).await.unwrap());
+            let gone = fixture.blobs().get(name, 1).await.unwrap_err();
+            assert!(matches!(gone, BlobError::NotFound { .. }), "{gone:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_blob_put_by_many_at_once_is_one_blob() {
+        let fixture = Fixture::new().await;
+        let content = Bytes::from(vec![1; 100_000]);
+        let puts = (0..16).map(|_| {
+            let (blobs, content) = (fixture.blobs().clone(), content.clone());
+            tokio::spawn(async move { blobs.put(content).await.unwrap() })
+        });
+        let names: Vec<_> =
+            futures_util::future::join_all(puts).await.into_iter().map(Result::unwrap).collect();
+        assert!(names.iter().all(|name| *name == BlobName::of(&content)));
+        assert_eq!(fixture.blobs().get(names[0], 100_000).await.unwrap(), content);
+        let folder = fixture.file(names[0]).parent().unwrap().to_owned();
+        assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1);
+    }
+
+    #[tokio::test]
+    async fn a_damaged_blob_is_refused_and_putting_it_again_mends_it() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("picture".into()).await.unwrap();
+        for damaged in ["pictvre", "pict", ""] {
+            std::fs::write(fixture.file(name), damaged).unwrap();
+            let refused = fixture.blobs().get(name, 100).await.unwrap_err();
+            let found = BlobName::of(damaged.as_bytes());
+            assert!(
+                matches!(refused, BlobError::Corrupt { found: hash, .. } if hash == found),
+                "{refused:?}"
+            );
+        }
+        fixture.blobs().put("picture".into()).await.unwrap();
+        assert_eq!(fixture.blobs().get(name, 100).await.unwrap(), "picture");
+    }
+
+    #[tokio::test]
+    async fn a_blob_larger_than_allowed_is_not_read() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("picture".into()).await.unwrap();
+        let refused = fixture.blobs().get(name, 6).await.unwrap_err();
+        assert!(matches!(refused, BlobError::TooLarge { bytes: 7, max_bytes: 6, .. }), "{refused:?}");
+    }
+
+    #[test]
+    fn only_sixty_four_lower_case_hexadecimal_digits_are_a_name() {
+        let name = BlobName::of(b"picture");
+        assert_eq!(name.to_string().parse(), Ok(name));
+        assert_eq!(name.to_string(), blake3::hash(b"picture").to_hex().as_str());
+        let digits = name.to_string();
+        let wrong = [
+            String::new(),
+            digits[..63].to_owned(),
+            digits[..62].to_owned(),
+            format!("{digits}0"),
+            format!("{digits}00"),
+            digits.to_uppercase(),
+            format!("{}g", &digits[..63]),
+            format!("{}é", &digits[..62]),
+            format!("../{}", &digits[3..]),
+            format!("{}/{}", &digits[..2], &digits[3..]),
+            format!(" {}", &digits[1..]),
+        ];
+        for text in wrong {
+            assert_eq!(text.parse::<BlobName>(), Err(InvalidBlobName { text }));
+        }
+    }
+
+    #[tokio::test]
+    async fn only_old_blobs_that_no_row_names_are_collected() {
+        let fixture = Fixture::new().await;
+        let [used, orphan, young] = ["used", "orphan", "young"].map(Bytes::from);
+        let used = fixture.blobs().put(used).await.unwrap();
+        let orphan = fixture.blobs().put(orphan).await.unwrap();
+        let young = fixture.blobs().put(young).await.unwrap();
+        fixture.refer_to(used).await;
+        fixture.age(used);
+        fixture.age(orphan);
+        let foreign = fixture.directory.path().join("blobs/README");
+        std::fs::write(&foreign, "not ours").unwrap();
+
+        assert_eq!(fixture.collect(Duration::from_secs(7200)).await, 0);
+        assert_eq!(fixture.collect(HALF_AN_HOUR).await, 1);
+        assert!(fixture.blobs().exists(used).await.unwrap());
+        assert!(!fixture.blobs().exists(orphan).await.unwrap());
+        assert!(fixture.blobs().exists(young).await.unwrap());
+        assert!(foreign.exists());
+        fixture.blobs().ping().await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn an_old_orphan_that_is_put_again_is_young_again() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("picture".into()).await.unwrap();
+        fixture.age(name);
+        fixture.blobs().put("picture".into()).await.unwrap();
+        assert_eq!(fixture.collect(HALF_AN_HOUR).await, 0);
+        // As the collector would find it that had looked at the age before the blob was put again.
+        assert!(!fixture.blobs().delete_if_older(name, HALF_AN_HOUR).await.unwrap());
+        fixture.age(name);
+        assert!(fixture.blobs().delete_if_older(name, HALF_AN_HOUR).await.unwrap());
+    }
+
+    #[tokio::test]
+    async fn what_a_crash_left_of_a_write_is_removed_on_opening() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("picture".into()).await.unwrap();
+        let left = fixture.file(name).with_file_name(format!("{name}#1"));
+        std::fs::write(&left, "pict").unwrap();
+        let Fixture { directory, folder } = fixture;
+        drop(folder);
+        let folder = open_folder(directory.path()).await.unwrap();
+        assert!(!left.exists());
+        assert_eq!(folder.blobs.get(name, 7).await.unwrap(), "picture");
+    }
+
+    #[tokio::test]
+    async fn a_store_that_is_away_says_so() {
+        let fixture = Fixture::new().await;
+        let folder = fixture.directory.path().join("blobs");
+        std::fs::rename(&folder, fixture.directory.path().join("elsewhere")).unwrap();
+        let away = fixture.blobs().ping().await.unwrap_err();
+        assert!(matches!(away, BlobError::Unavailable { .. }), "{away:?}");
+        std::fs::rename(fixture.directory.path().join("elsewhere"), &folder).unwrap();
+        fixture.blobs().ping().await.unwrap();
+    }
+}

@@ -1,0 +1,237 @@
+//! The embedded store: one folder, held by one process.
+//!
+//! ```text
+//! <data-dir>/lock              locked as long as the process lives
+//! <data-dir>/catalogue.sqlite  rows (and its -wal and -shm beside it)
+//! <data-dir>/blobs/            bytes
+//! ```
+
+use std::fs::{File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::blobs::{BlobError, Blobs};
+use super::catalogue::Catalogue;
+use super::sqlite::{OpenCatalogueError, SqliteCatalogue};
+
+/// Why the data folder can't be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenFolderError {
+    /// The folder can't be created, or not durably.
+    #[error("cannot create the data folder {}", path.display())]
+    Create {
+        path: PathBuf,
+        #[source]
+        source: io::Error,
+    },
+    /// Another process works in the folder.
+    #[error(
+        "the data folder {} is in use by another process: stop that one, or choose another folder",
+        path.display()
+    )]
+    InUse { path: PathBuf },
+    /// The lock file can't be made or locked.
+    #[error("cannot lock {}", path.display())]
+    Lock {
+        path: PathBuf,
+        #[source]
+        source: io::Error,
+    },
+    /// The catalogue can't be opened.
+    #[error("cannot open the catalogue {}", path.display())]
+    Catalogue {
+        path: PathBuf,
+        #[source]
+        source: OpenCatalogueError,
+    },
+    /// The folder of the blobs can't be opened.
+    #[error("cannot open the blobs in {}", path.display())]
+    Blobs {
+        path: PathBuf,
+        #[source]
+        source: BlobError,
+    },
+}
+
+/// What a data folder holds.
+pub struct Folder {
+    pub catalogue: Arc<dyn Catalogue>,
+    pub blobs: Blobs,
+}
+
+/// Proof that no other process works in the folder; the lock ends with the last copy, or with the process.
+#[derive(Debug)]
+pub struct FolderLock {
+    _file: File,
+}
+
+impl FolderLock {
+    fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
+        let path = data_dir.join("lock");
+        let file =
+            File::create(&path).map_err(|source| OpenFolderError::Lock { path: path.clone(), source })?;
+        match file.try_lock() {
+            Ok(()) => Ok(Self { _file: file }),
+            Err(TryLockError::WouldBlock) => Err(OpenFolderError::InUse { path: data_dir.to_owned() }),
+            Err(TryLockError::Error(source)) => Err(OpenFolderError::Lock { path, source }),
+        }
+    }
+}
+
+/// Opens a data folder, creating it where needed, and holds it until the catalogue and the blobs are dropped.
+///
+/// Errors say which file, why, and what to do; `InUse` when another process, or another call, holds the folder.
+pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
+    create(data_dir).map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
+    let lock = Arc::new(FolderLock::take(data_dir)?);
+
+    let path = data_dir.join("blobs");
+    let blobs = match Blobs::in_folder(&path, lock.clone()).await {
+        Ok(blobs) => blobs,
+        Err(source) => return Err(OpenFolderError::Blobs { path, source }),
+    };
+
+    let path = data_dir.join("catalogue.sqlite");
+    let catalogue = match SqliteCatalogue::open(&path, lock).await {
+        Ok(catalogue) => Arc::new(catalogue),
+        Err(source) => return Err(OpenFolderError::Catalogue { path, source }),
+    };
+    // The names of the files just made must survive power loss as their contents do.
+    sync_directory(data_dir)
+        .map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
+    Ok(Folder { catalogue, blobs })
+}
+
+fn create(data_dir: &Path) -> io::Result<()> {
+    if data_dir.is_dir() {
+        return Ok(());
+    }
+    std::fs::create_dir_all(data_dir)?;
+    match data_dir.canonicalize()?.parent() {
+        Some(parent) => sync_directory(parent),
+        None => Ok(()),
+    }
+}
+
+#[cfg(unix)]
+fn sync_directory(directory: &Path) -> io::Result<()> {
+    File::open(directory)?.sync_all()
+}
+
+/// Elsewhere than on Unix a folder can't be opened for syncing.
+#[cfg(not(unix))]
+fn sync_directory(_directory: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use super::*;
+    use crate::store::suite::catalogue_suite;
+    use crate::store::{AliasExpectation, BlobName, NewVersion};
+
+    async fn empty() -> (Arc<dyn Catalogue>, (tempfile::TempDir, Blobs)) {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = open_folder(directory.path()).await.unwrap();
+        (folder.catalogue, (directory, folder.blobs))
+    }
+
+    mod sqlite_keeps_every_promise {
+        use super::{catalogue_suite, empty};
+
+        catalogue_suite!(empty);
+    }
+
+    fn artifact(blob: BlobName) -> NewVersion {
+        NewVersion {
+            database: "lab".to_owned(),
+            digest: "d1".to_owned(),
+            blob: blob.to_string(),
+            bytes: 8,
+            kind: "landmarks".to_owned(),
+            algorithm_revision: 1,
+            options: "{}".to_owned(),
+            counts: "{}".to_owned(),
+            report: "{}".to_owned(),
+        }
+    }
+
+    #[tokio::test]
+    async fn a_folder_opened_again_holds_everything() {
+        let directory = tempfile::tempdir().unwrap();
+        let data_dir = directory.path().join("not/yet/there");
+
+        let folder = open_folder(&data_dir).await.unwrap();
+        let blob = folder.blobs.put("artifact".into()).await.unwrap();
+        folder.catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+        let (version, _) = folder.catalogue.insert_version(&artifact(blob)).await.unwrap();
+        let any = AliasExpectation::Any;
+        let (alias, _) = folder.catalogue.set_alias("lab", "current", 1, any).await.unwrap();
+        let job = folder.catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        drop(folder);
+
+        let folder = open_folder(&data_dir).await.unwrap();
+        assert_eq!(folder.catalogue.version("lab", 1).await.unwrap(), Some(version));
+        assert_eq!(folder.catalogue.aliases("lab").await.unwrap(), [alias]);
+        assert_eq!(folder.catalogue.job(job.id).await.unwrap(), Some(job));
+        assert_eq!(folder.blobs.get(blob, 8).await.unwrap(), "artifact");
+    }
+
+    #[tokio::test]
+    async fn a_folder_is_open_once_until_the_last_part_of_it_is_dropped() {
+        let directory = tempfile::tempdir().unwrap();
+        let Folder { catalogue, blobs } = open_folder(directory.path()).await.unwrap();
+        let refused = open_folder(directory.path()).await.err().unwrap();
+        assert!(matches!(refused, OpenFolderError::InUse { .. }), "{refused:?}");
+        assert!(refused.to_string().contains("in use by another process"), "{refused}");
+        drop(catalogue);
+        assert!(open_folder(directory.path()).await.is_err());
+        drop(blobs);
+        open_folder(directory.path()).await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn a_damaged_catalogue_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("catalogue.sqlite"), "no database at all ".repeat(100)).unwrap();
+        let refused = open_folder(directory.path()).await.err().unwrap();
+        assert!(matches!(refused, OpenFolderError::Catalogue { .. }), "{refused:?}");
+        assert!(refused.to_string().contains("catalogue.sqlite"), "{refused}");
+        assert!(refused.source().unwrap().source().is_some(), "{refused:?}");
+    }
+
+    #[tokio::test]
+    async fn a_catalogue_of_a_newer_release_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        drop(open_folder(directory.path()).await.unwrap());
+        let options =
+            sqlx::sqlite::SqliteConnectOptions::new().filename(directory.path().join("catalogue.sqlite"));
+        let pool = sqlx::SqlitePool::connect_with(options).await.unwrap();
+        sqlx::query(
+            "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
+             VALUES (9000, 'of the future', TRUE, x'00', 0)",
+        )
+        .execute(&pool)
+        .await
+        .unwrap();
+        pool.close().await;
+
+        let refused = open_folder(directory.path()).await.err().unwrap();
+        let OpenFolderError::Catalogue { source, .. } = refused else { panic!("{refused:?}") };
+        assert!(matches!(source, OpenCatalogueError::Newer { migration: 9000 }), "{source:?}");
+    }
+
+    #[cfg(unix)]
+    #[tokio::test]
+    async fn a_data_folder_that_is_a_file_is_refused_with_its_name() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("file");
+        std::fs::write(&path, "").unwrap();
+        let refused = open_folder(&path).await.err().unwrap();
+        assert!(matches!(refused, OpenFolderError::Create { .. }), "{refused:?}");
+        assert!(refused.to_string().contains("file"), "{refused}");
+    }
+}
