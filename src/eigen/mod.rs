@@ -1,1 +1,8 @@
-//! (being written)
+//! Linear algebra that has never heard of images: eigenspaces of row vectors, and the nearest of a set of
+//! eigenpoints (A§4.1, A§4.5). Vectors are rows of row-major `f32` matrices; training is done in `f64`.
+
+pub mod eigenspace;
+pub mod neighbours;
+
+pub use eigenspace::{EigenError, Eigenspace};
+pub use neighbours::{EigenpointIndex, Neighbour};

@@ -1,1 +1,17 @@
-//! (being written)
+//! Pictures: one concrete image type, decoding under limits, PNG out, evidence drawn on a frame.
+//!
+//! Pixels are `f32` grey levels 0..=255, row-major; x right, y down, the origin at the centre of the
+//! top-left pixel. One type without a pixel parameter: every operator of both papers works on real
+//! numbers, and a single monomorphic plane keeps the arithmetic readable and vectorisable. The outside
+//! image codec and the drawing crate are known to this room alone.
+
+pub mod decode;
+pub mod encode;
+pub mod frame;
+pub mod image;
+pub mod overlay;
+
+pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, read_header};
+pub use frame::Frame;
+pub use image::Image;
+pub use overlay::Overlay;

@@ -1,1 +1,3 @@
-//! (being written)
+//! What is seen, and where: training and recognition as values in, values out.
+
+pub mod landmarks;

@@ -1,0 +1,226 @@
+//! The eigenspace of a set of vectors (A§4.1): their mean and the directions in which they differ most.
+//!
+//! The text takes the SVD of the mean-subtracted vectors as A = Pᵀ and keeps columns of V; with vectors as
+//! the columns of A it is the columns of **U** that span the space of vectors. Those are computed here, as
+//! eigenvectors of the covariance or, when there are fewer vectors than components, through the Gram
+//! matrix: the same subspace from the smaller problem. One thread, f64, fixed signs: the same rows give the
+//! same bits.
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par, Side};
+use thiserror::Error;
+
+/// Directions with less than this part of the largest eigenvalue are null: nothing but rounding.
+const LEAST_RELATIVE_EIGENVALUE: f64 = 1e-10;
+/// Variance below this part of the vectors' mean square is the rounding of identical f32 vectors.
+const LEAST_RELATIVE_VARIANCE: f64 = 1e-12;
+/// Basis vectors may depart from orthonormality by this much in f32.
+const ORTHONORMALITY: f64 = 1e-4;
+/// Rows that are taken into f64 at a time: bounds the memory beside the covariance.
+const CHUNK_ROWS: usize = 1024;
+
+/// A mean and an orthonormal basis; vectors become points of a few coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Eigenspace {
+    /// Mean of the training vectors, `length` components.
+    pub mean: Vec<f32>,
+    /// `dimension` × `length`, row-major; the rows are orthonormal. In each row the component of largest
+    /// magnitude, the first of equals, is positive.
+    pub basis: Vec<f32>,
+    /// Variance along each row of the basis, descending.
+    pub eigenvalues: Vec<f64>,
+    /// Variance in all directions, kept or not.
+    pub total_variance: f64,
+}
+
+/// Why no eigenspace could be made.
+#[derive(Debug, Error, PartialEq)]
+pub enum EigenError {
+    #[error("{values} values are not a whole number of vectors of {length} components, or none at all")]
+    Shape { values: usize, length: usize },
+    #[error("a component is not a finite number")]
+    NotFinite,
+    #[error("the {vectors} vectors do not differ from each other")]
+    NoVariance { vectors: usize },
+    #[error("the eigenvalue iteration did not converge on a {size}×{size} matrix")]
+    NotConverged { size: usize },
+    #[error("the basis departs from orthonormality by {deviation:e}")]
+    NotOrthonormal { deviation: f64 },
+}
+
+impl Eigenspace {
+    /// Fit the leading `dimension` directions to n × `length` row-major vectors.
+    ///
+    /// Returns the eigenspace and the whole spectrum: variances (over n − 1), descending, min(n, length)
+    /// of them. Null directions are dropped, so the dimension kept may be smaller than asked.
+    pub fn fit(rows: &[f32], length: usize, dimension: usize) -> Result<(Eigenspace, Vec<f64>), EigenError> {
+        if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
+            return Err(EigenError::Shape { values: rows.len(), length });
+        }
+        if !rows.iter().all(|v| v.is_finite()) {
+            return Err(EigenError::NotFinite);
+        }
+        let count = rows.len() / length;
+        let mean = mean(rows, length);
+        let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
+        let through_gram = count < length;
+        let products = if through_gram { gram(rows, &mean) } else { covariance(rows, &mean) };
+        let size = products.nrows();
+        let eigen =
+            products.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size })?;
+        let degrees = count.saturating_sub(1).max(1) as f64;
+        let spectrum: Vec<f64> =
+            (0..size).rev().map(|i| (eigen.S().column_vector()[i] / degrees).max(0.0)).collect();
+
+        let total_variance: f64 = spectrum.iter().sum();
+        let floor = (LEAST_RELATIVE_EIGENVALUE * spectrum[0]).max(LEAST_RELATIVE_VARIANCE * mean_square);
+        let kept = spectrum.iter().take(dimension).take_while(|&&variance| variance > floor).count();
+        if kept == 0 {
+            return Err(EigenError::NoVariance { vectors: count });
+        }
+
+        let mut basis = Vec::with_capacity(kept * length);
+        for i in 0..kept {
+            let eigenvector = eigen.U().col(size - 1 - i);
+            let mut direction: Vec<f64> = match through_gram {
+                false => (0..length).map(|k| eigenvector[k]).collect(),
+                true => combined(rows, &mean, |row| eigenvector[row]),
+            };
+            let norm = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let largest = direction.iter().fold(0.0, |l: f64, &v| if v.abs() > l.abs() { v } else { l });
+            let scale = if largest < 0.0 { -1.0 / norm } else { 1.0 / norm };
+            direction.iter_mut().for_each(|v| *v *= scale);
+            basis.extend(direction.iter().map(|&v| v as f32));
+        }
+        let eigenspace = Eigenspace {
+            mean: mean.iter().map(|&v| v as f32).collect(),
+            basis,
+            eigenvalues: spectrum[..kept].to_vec(),
+            total_variance,
+        };
+        eigenspace.check_basis()?;
+        Ok((eigenspace, spectrum))
+    }
+
+    /// Whether the rows of the basis are orthonormal to f32 precision: to be asked of a basis from elsewhere.
+    pub fn check_basis(&self) -> Result<(), EigenError> {
+        let deviation = departure_from_orthonormality(&self.basis, self.length());
+        // a NaN must not pass
+        match deviation <= ORTHONORMALITY {
+            true => Ok(()),
+            false => Err(EigenError::NotOrthonormal { deviation }),
+        }
+    }
+
+    /// Coordinates of an eigenpoint.
+    pub fn dimension(&self) -> usize {
+        self.eigenvalues.len()
+    }
+
+    /// Components of a vector.
+    pub fn length(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// The eigenpoints of n × `length` row-major vectors: n × `dimension`, row-major.
+    ///
+    /// A vector gives the same bits whichever others are projected with it.
+    ///
+    /// # Panics
+    /// If `vectors` is not a whole number of vectors.
+    pub fn project(&self, vectors: &[f32]) -> Vec<f32> {
+        let (length, dimension) = (self.length(), self.dimension());
+        assert!(vectors.len().is_multiple_of(length), "whole vectors");
+        let mut across = vec![0.0; length * dimension];
+        for (i, row) in self.basis.chunks_exact(length).enumerate() {
+            for (k, &v) in row.iter().enumerate() {
+                across[k * dimension + i] = v;
+            }
+        }
+        let mut points = vec![0.0; vectors.len() / length * dimension];
+        pulp::Arch::new().dispatch(|| {
+            for (vector, point) in vectors.chunks_exact(length).zip(points.chunks_exact_mut(dimension)) {
+                project_one(vector, &self.mean, &across, point);
+            }
+        });
+        points
+    }
+}
+
+/// point = basis · (vector − mean), with the basis column by column. A§4.1
+#[inline(always)]
+fn project_one(vector: &[f32], mean: &[f32], across: &[f32], point: &mut [f32]) {
+    for ((v, m), column) in vector.iter().zip(mean).zip(across.chunks_exact(point.len())) {
+        let centred = v - m;
+        for (coordinate, b) in point.iter_mut().zip(column) {
+            *coordinate += centred * b;
+        }
+    }
+}
+
+fn mean(rows: &[f32], length: usize) -> Vec<f64> {
+    let mut mean = vec![0.0; length];
+    for row in rows.chunks_exact(length) {
+        mean.iter_mut().zip(row).for_each(|(m, &v)| *m += f64::from(v));
+    }
+    let count = (rows.len() / length) as f64;
+    mean.iter_mut().for_each(|m| *m /= count);
+    mean
+}
+
+fn centred(rows: &[f32], mean: &[f64]) -> Vec<f64> {
+    rows.chunks_exact(mean.len())
+        .flat_map(|row| row.iter().zip(mean).map(|(&v, m)| f64::from(v) - m))
+        .collect()
+}
+
+/// Σ x xᵀ over the mean-subtracted rows, `length` × `length`, chunk by chunk.
+fn covariance(rows: &[f32], mean: &[f64]) -> Mat<f64> {
+    let length = mean.len();
+    let mut sum = Mat::zeros(length, length);
+    for chunk in rows.chunks(CHUNK_ROWS * length) {
+        let centred = centred(chunk, mean);
+        let x = MatRef::from_row_major_slice(&centred, centred.len() / length, length);
+        matmul(sum.as_mut(), Accum::Add, x.transpose(), x, 1.0, Par::Seq);
+    }
+    sum
+}
+
+/// X Xᵀ of the mean-subtracted rows, n × n.
+fn gram(rows: &[f32], mean: &[f64]) -> Mat<f64> {
+    let centred = centred(rows, mean);
+    let count = rows.len() / mean.len();
+    let x = MatRef::from_row_major_slice(&centred, count, mean.len());
+    let mut products = Mat::zeros(count, count);
+    matmul(products.as_mut(), Accum::Replace, x, x.transpose(), 1.0, Par::Seq);
+    products
+}
+
+/// Σ weight(row) · (row − mean): from an eigenvector of the Gram matrix to one of the covariance.
+fn combined(rows: &[f32], mean: &[f64], weight: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut sum = vec![0.0; mean.len()];
+    for (i, row) in rows.chunks_exact(mean.len()).enumerate() {
+        let weight = weight(i);
+        sum.iter_mut().zip(row).zip(mean).for_each(|((s, &v), m)| *s += weight * (f64::from(v) - m));
+    }
+    sum
+}
+
+/// The largest entry of |B Bᵀ − I|.
+fn departure_from_orthonormality(basis: &[f32], length: usize) -> f64 {
+    let b: Vec<f64> = basis.iter().map(|&v| f64::from(v)).collect();
+    let b = MatRef::from_row_major_slice(&b, basis.len() / length, length);
+    let mut products = Mat::zeros(b.nrows(), b.nrows());
+    matmul(products.as_mut(), Accum::Replace, b, b.transpose(), 1.0, Par::Seq);
+    let mut largest = 0.0;
+    for i in 0..b.nrows() {
+        for j in 0..b.nrows() {
+            let departure = (products[(i, j)] - if i == j { 1.0 } else { 0.0 }).abs();
+            // a NaN must not pass
+            if departure.is_nan() || departure > largest {
+                largest = departure;
+            }
+        }
+    }
+    largest
+}

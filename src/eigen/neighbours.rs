@@ -1,0 +1,237 @@
+//! The nearest of a set of eigenpoints (A§4.5), exactly: by a k-d tree, or by looking at all of them.
+//!
+//! Distances are Euclidean, not squared. Both ways return the distance as computed in f64 from the
+//! eigenpoint found, so that they agree to the bit where they find the same; of identical eigenpoints the
+//! lowest index is found.
+
+use std::cmp::Ordering;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// A tree is built from this many different eigenpoints on.
+const TREE_FROM_POINTS: usize = 20_000;
+/// Eigenpoints compared at a time: 64 partial sums are 8 vector registers' worth, half of AVX2's.
+const LANES: usize = 64;
+/// Coordinates taken at a time; tiles are padded with zeros to a multiple.
+const STEP: usize = 4;
+
+/// An eigenpoint found, and how far it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbour {
+    /// Row of the eigenpoint.
+    pub index: usize,
+    /// Euclidean distance.
+    pub distance: f32,
+}
+
+/// A set of eigenpoints that can be asked for the nearest.
+pub struct EigenpointIndex {
+    points: Vec<f32>,
+    dimension: usize,
+    /// The eigenpoints in tiles of [`LANES`], coordinate by coordinate within a tile.
+    tiles: Vec<f32>,
+    tree: Option<Tree>,
+}
+
+impl EigenpointIndex {
+    /// An index over n × `dimension` row-major eigenpoints, all finite. Chooses the faster way by itself.
+    ///
+    /// # Panics
+    /// If there is no eigenpoint, or not a whole number of them.
+    pub fn new(points: Vec<f32>, dimension: usize) -> Self {
+        let count = points.len() / dimension.max(1);
+        let mut index = EigenpointIndex::exhaustive(points, dimension);
+        if count >= TREE_FROM_POINTS {
+            let different = index.different();
+            if different.len() >= TREE_FROM_POINTS {
+                index.tree = Tree::new(&index.points, dimension, &different);
+            }
+        }
+        index
+    }
+
+    /// An index that asks a k-d tree if there is one for this dimension (64 at most), whatever is faster.
+    ///
+    /// # Panics
+    /// As [`EigenpointIndex::new`].
+    pub fn with_tree(points: Vec<f32>, dimension: usize) -> Self {
+        let mut index = EigenpointIndex::exhaustive(points, dimension);
+        index.tree = Tree::new(&index.points, dimension, &index.different());
+        index
+    }
+
+    fn exhaustive(points: Vec<f32>, dimension: usize) -> Self {
+        assert!(dimension > 0 && !points.is_empty(), "an index holds an eigenpoint");
+        assert!(points.len().is_multiple_of(dimension), "whole eigenpoints");
+        let tiles = tiles(&points, dimension);
+        EigenpointIndex { points, dimension, tiles, tree: None }
+    }
+
+    /// The eigenpoints, n × dimension, row-major.
+    pub fn points(&self) -> &[f32] {
+        &self.points
+    }
+
+    /// How many eigenpoints there are.
+    pub fn count(&self) -> usize {
+        self.points.len() / self.dimension
+    }
+
+    /// Whether [`EigenpointIndex::nearest`] asks a tree.
+    pub fn has_tree(&self) -> bool {
+        self.tree.is_some()
+    }
+
+    /// Memory held.
+    pub fn bytes(&self) -> usize {
+        let copies = if self.has_tree() { 2 } else { 1 };
+        size_of_val(&self.points[..]) * copies + size_of_val(&self.tiles[..])
+    }
+
+    /// The nearest eigenpoint of each of n × dimension row-major queries, all finite.
+    ///
+    /// # Panics
+    /// If `queries` is not a whole number of them.
+    pub fn nearest(&self, queries: &[f32]) -> Vec<Neighbour> {
+        let Some(tree) = &self.tree else { return self.nearest_exhaustive(queries) };
+        assert!(queries.len().is_multiple_of(self.dimension), "whole queries");
+        queries
+            .chunks_exact(self.dimension)
+            .map(|query| self.neighbour(query, tree.nearest(query) as usize))
+            .collect()
+    }
+
+    /// The same by looking at every eigenpoint: the judge of the tree.
+    ///
+    /// # Panics
+    /// If `queries` is not a whole number of them.
+    pub fn nearest_exhaustive(&self, queries: &[f32]) -> Vec<Neighbour> {
+        assert!(queries.len().is_multiple_of(self.dimension), "whole queries");
+        let padded = self.dimension.next_multiple_of(STEP);
+        let count = queries.len() / self.dimension;
+        let mut spread = vec![0.0; count * padded];
+        for (wide, query) in spread.chunks_exact_mut(padded).zip(queries.chunks_exact(self.dimension)) {
+            wide[..self.dimension].copy_from_slice(query);
+        }
+        // a tile stays in the first cache while all queries pass over it
+        let mut best = vec![(f32::INFINITY, 0); count];
+        for (number, tile) in self.tiles.chunks_exact(padded * LANES).enumerate() {
+            pulp::Arch::new().dispatch(|| {
+                for (query, best) in spread.chunks_exact(padded).zip(&mut best) {
+                    nearest_in_tile(tile, query, number * LANES, best);
+                }
+            });
+        }
+        let queries = queries.chunks_exact(self.dimension).zip(best);
+        queries.map(|(query, (_, index))| self.neighbour(query, index)).collect()
+    }
+
+    fn point(&self, index: usize) -> &[f32] {
+        &self.points[index * self.dimension..][..self.dimension]
+    }
+
+    fn neighbour(&self, query: &[f32], index: usize) -> Neighbour {
+        let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
+        let square: f64 = query.iter().zip(self.point(index)).map(difference).map(|d| d * d).sum();
+        Neighbour { index, distance: square.sqrt() as f32 } // A§4.5: D
+    }
+
+    /// The lowest index of each set of identical eigenpoints, ascending: a tree can't split such a set.
+    fn different(&self) -> Vec<u32> {
+        let by_coordinates = |a: &u32, b: &u32| {
+            let pairs = self.point(*a as usize).iter().zip(self.point(*b as usize));
+            pairs.map(|(a, b)| a.partial_cmp(b).unwrap_or(Ordering::Equal)).find(|o| o.is_ne())
+        };
+        let count = u32::try_from(self.count()).expect("eigenpoints are counted in 32 bits");
+        let mut order: Vec<u32> = (0..count).collect();
+        order.sort_unstable_by(|a, b| by_coordinates(a, b).unwrap_or(a.cmp(b)));
+        order.dedup_by(|later, earlier| by_coordinates(later, earlier).is_none());
+        order.sort_unstable();
+        order
+    }
+}
+
+/// Tiles of [`LANES`] eigenpoints, padded with zeros in the coordinates and with infinities at the end.
+fn tiles(points: &[f32], dimension: usize) -> Vec<f32> {
+    let padded = dimension.next_multiple_of(STEP);
+    let count = points.len() / dimension;
+    let mut tiles = vec![0.0; count.div_ceil(LANES) * padded * LANES];
+    for (tile, members) in tiles.chunks_exact_mut(padded * LANES).zip(points.chunks(LANES * dimension)) {
+        let members = members.chunks_exact(dimension);
+        tile[members.len()..LANES].fill(f32::INFINITY);
+        for (lane, point) in members.enumerate() {
+            for (k, &coordinate) in point.iter().enumerate() {
+                tile[k * LANES + lane] = coordinate;
+            }
+        }
+    }
+    tiles
+}
+
+/// Lower `best` (squared distance, index) if the tile holds something nearer.
+#[inline(always)]
+fn nearest_in_tile(tile: &[f32], query: &[f32], first: usize, best: &mut (f32, usize)) {
+    let mut squares = [0.0_f32; LANES];
+    for (rows, q) in tile.chunks_exact(STEP * LANES).zip(query.chunks_exact(STEP)) {
+        let (a, rest) = rows.split_at(LANES);
+        let (b, rest) = rest.split_at(LANES);
+        let (c, d) = rest.split_at(LANES);
+        for lane in 0..LANES {
+            let (a, b, c, d) = (a[lane] - q[0], b[lane] - q[1], c[lane] - q[2], d[lane] - q[3]);
+            squares[lane] += (a * a + b * b) + (c * c + d * d);
+        }
+    }
+    let mut least = [f32::INFINITY; LANES / 4];
+    for part in squares.chunks_exact(LANES / 4) {
+        for (least, &square) in least.iter_mut().zip(part) {
+            *least = if square < *least { square } else { *least };
+        }
+    }
+    if least.iter().any(|&square| square < best.0) {
+        for (lane, &square) in squares.iter().enumerate() {
+            if square < best.0 {
+                *best = (square, first + lane);
+            }
+        }
+    }
+}
+
+/// The library's tree has its dimension in its type: some sizes, and zeros up to the next.
+macro_rules! trees {
+    ($($size:ident = $dimension:literal),*) => {
+        enum Tree { $($size(Box<ImmutableKdTree<f32, $dimension>>, Vec<u32>)),* }
+
+        impl Tree {
+            /// A tree over the rows `different` of `points`; `None` above 64 coordinates, where a tree looks at
+            /// everything and more slowly than a loop.
+            fn new(points: &[f32], dimension: usize, different: &[u32]) -> Option<Tree> {
+                let rows = different.iter().map(|&row| &points[row as usize * dimension..][..dimension]);
+                $(if dimension <= $dimension {
+                    let padded: Vec<[f32; $dimension]> = rows.map(padded).collect();
+                    let tree = ImmutableKdTree::new_from_slice(&padded).ok()?;
+                    return Some(Tree::$size(Box::new(tree), different.to_vec()));
+                })*
+                None
+            }
+
+            /// The row of the nearest.
+            fn nearest(&self, query: &[f32]) -> u32 {
+                match self {
+                    $(Tree::$size(tree, rows) => {
+                        let query: [f32; $dimension] = padded(query);
+                        let found = tree.query(&query).nearest_one::<SquaredEuclidean<f32>>().execute();
+                        rows[found.item as usize]
+                    })*
+                }
+            }
+        }
+    };
+}
+trees!(Of8 = 8, Of12 = 12, Of16 = 16, Of24 = 24, Of32 = 32, Of48 = 48, Of64 = 64);
+
+/// The coordinates with zeros after them: no distance changes.
+fn padded<const D: usize>(point: &[f32]) -> [f32; D] {
+    let mut wide = [0.0; D];
+    wide[..point.len()].copy_from_slice(point);
+    wide
+}

@@ -1,0 +1,163 @@
+//! A decoded picture: its luminance, and its red, green and blue planes if the file is in colour.
+//!
+//! All planes have one size and hold grey levels 0..=255. Luminance is 0.299 r + 0.587 g + 0.114 b.
+
+use super::Image;
+
+/// What a camera saw: luminance always, the three colours if the file had them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Luminance, the plane that interest points and gray signatures are taken from.
+    pub luminance: Image,
+    /// Red, green, blue; `None` for a gray file.
+    pub rgb: Option<[Image; 3]>,
+}
+
+impl Frame {
+    /// A frame without colour.
+    pub fn gray(luminance: Image) -> Frame {
+        Frame { luminance, rgb: None }
+    }
+
+    /// A colour frame from three planes of one size.
+    ///
+    /// # Panics
+    /// If the planes differ in size.
+    pub fn colour(rgb: [Image; 3]) -> Frame {
+        let [red, green, blue] = &rgb;
+        let (width, height) = (red.width(), red.height());
+        assert!(
+            rgb.iter().all(|plane| (plane.width(), plane.height()) == (width, height)),
+            "planes of one size"
+        );
+        let luminance = red
+            .pixels()
+            .iter()
+            .zip(green.pixels())
+            .zip(blue.pixels())
+            .map(|((r, g), b)| 0.299 * r + 0.587 * g + 0.114 * b)
+            .collect();
+        Frame { luminance: Image::new(width, height, luminance), rgb: Some(rgb) }
+    }
+
+    /// A colour frame from interleaved bytes r, g, b, row-major.
+    ///
+    /// # Panics
+    /// If `bytes` does not hold `3 * width * height` bytes.
+    pub fn from_rgb8(width: usize, height: usize, bytes: &[u8]) -> Frame {
+        assert_eq!(bytes.len(), 3 * width * height, "three bytes a pixel");
+        Frame::colour([0, 1, 2].map(|channel| {
+            Image::new(width, height, bytes.iter().skip(channel).step_by(3).map(|&v| f32::from(v)).collect())
+        }))
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.luminance.width()
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.luminance.height()
+    }
+
+    /// Whether the file had colour.
+    pub fn is_colour(&self) -> bool {
+        self.rgb.is_some()
+    }
+
+    /// The two opponent planes r − g and b − (r + g)/2, −255..=255; zero everywhere for a gray frame.
+    pub fn opponent_planes(&self) -> [Image; 2] {
+        let (width, height) = (self.width(), self.height());
+        let Some([red, green, blue]) = &self.rgb else {
+            return [(); 2].map(|()| Image::from_fn(width, height, |_, _| 0.0));
+        };
+        let red_green = red.pixels().iter().zip(green.pixels()).map(|(r, g)| r - g).collect();
+        let blue_yellow = (red.pixels().iter().zip(green.pixels()).zip(blue.pixels()))
+            .map(|((r, g), b)| b - (r + g) / 2.0)
+            .collect();
+        [Image::new(width, height, red_green), Image::new(width, height, blue_yellow)]
+    }
+
+    /// The frame as interleaved bytes r, g, b, rounded and held within 0..=255; gray gives r = g = b.
+    pub fn to_rgb8(&self) -> Vec<u8> {
+        let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
+        match &self.rgb {
+            None => self.luminance.pixels().iter().flat_map(|&v| [byte(v); 3]).collect(),
+            Some([red, green, blue]) => (red.pixels().iter().zip(green.pixels()).zip(blue.pixels()))
+                .flat_map(|((&r, &g), &b)| [byte(r), byte(g), byte(b)])
+                .collect(),
+        }
+    }
+
+    /// The frame turned about its centre, of the same size, bilinear, black outside.
+    ///
+    /// A positive rotation turns x towards y: clockwise as seen on a screen.
+    pub fn turned(&self, rotation_deg: f64) -> Frame {
+        Frame {
+            luminance: turned(&self.luminance, rotation_deg),
+            rgb: self.rgb.as_ref().map(|planes| planes.each_ref().map(|plane| turned(plane, rotation_deg))),
+        }
+    }
+}
+
+/// Each pixel p takes the value that stood at R(−a)(p − c) + c.
+fn turned(image: &Image, rotation_deg: f64) -> Image {
+    let (width, height) = (image.width(), image.height());
+    let (sin, cos) = rotation_deg.to_radians().sin_cos();
+    let (centre_x, centre_y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
+    let pixel = |x: f64, y: f64| {
+        let inside = x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64;
+        if inside { f64::from(image.at(x as usize, y as usize)) } else { 0.0 }
+    };
+    Image::from_fn(width, height, |x, y| {
+        let (dx, dy) = (x as f64 - centre_x, y as f64 - centre_y);
+        let (from_x, from_y) = (centre_x + cos * dx + sin * dy, centre_y - sin * dx + cos * dy);
+        let (left, top) = (from_x.floor(), from_y.floor());
+        let (right_part, bottom_part) = (from_x - left, from_y - top);
+        let upper = pixel(left, top) * (1.0 - right_part) + pixel(left + 1.0, top) * right_part;
+        let lower = pixel(left, top + 1.0) * (1.0 - right_part) + pixel(left + 1.0, top + 1.0) * right_part;
+        (upper * (1.0 - bottom_part) + lower * bottom_part) as f32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_turn_brings_x_to_y() {
+        let picture = Image::new(3, 3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let turned = Frame::gray(picture).turned(90.0);
+        // clockwise on the screen: the left column, read upwards, becomes the top row
+        let expected = [7.0, 4.0, 1.0, 8.0, 5.0, 2.0, 9.0, 6.0, 3.0];
+        for (value, expected) in turned.luminance.pixels().iter().zip(expected) {
+            assert!((value - expected).abs() < 1e-5, "{turned:?}");
+        }
+    }
+
+    #[test]
+    fn outside_is_black() {
+        let turned = Frame::gray(Image::from_fn(9, 9, |_, _| 200.0)).turned(45.0);
+        assert_eq!(turned.luminance.at(0, 0), 0.0);
+        assert!((turned.luminance.at(4, 4) - 200.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn colour_bytes_come_back_as_they_went_in() {
+        let bytes = [255, 0, 10, 20, 30, 40];
+        let frame = Frame::from_rgb8(2, 1, &bytes);
+        assert_eq!(frame.to_rgb8(), bytes);
+        assert!((frame.luminance.at(0, 0) - (0.299 * 255.0 + 0.114 * 10.0)).abs() < 1e-3);
+        let [red_green, blue_yellow] = frame.opponent_planes();
+        assert_eq!(red_green.pixels(), [255.0, -10.0]);
+        assert_eq!(blue_yellow.pixels(), [-117.5, 15.0]);
+    }
+
+    #[test]
+    fn a_gray_frame_has_no_colour() {
+        let frame = Frame::gray(Image::from_fn(2, 2, |x, _| x as f32));
+        assert!(!frame.is_colour());
+        assert!(frame.opponent_planes().iter().all(|plane| plane.pixels() == [0.0; 4]));
+    }
+}

@@ -1,0 +1,80 @@
+//! The image type: one plane of `f32`, row-major, grey levels 0..=255 (differences may be negative).
+
+/// One plane of pixels, row-major: the pixel (x, y) stands at `y * width + x`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<f32>,
+}
+
+impl Image {
+    /// An image of `width` × `height` pixels over the given values.
+    ///
+    /// # Panics
+    /// If `pixels` does not hold exactly `width * height` values: that is a fault of the program, never
+    /// of its input.
+    pub fn new(width: usize, height: usize, pixels: Vec<f32>) -> Image {
+        assert_eq!(pixels.len(), width * height, "an image of {width}×{height} holds width × height pixels");
+        Image { width, height, pixels }
+    }
+
+    /// An image whose pixel (x, y) is `f(x, y)`, computed in row-major order.
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Image {
+        let mut pixels = Vec::with_capacity(width * height);
+        for y in 0..height {
+            pixels.extend((0..width).map(|x| f(x, y)));
+        }
+        Image { width, height, pixels }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, row-major.
+    pub fn pixels(&self) -> &[f32] {
+        &self.pixels
+    }
+
+    /// All pixels, row-major, to be written.
+    pub fn pixels_mut(&mut self) -> &mut [f32] {
+        &mut self.pixels
+    }
+
+    /// The pixels of row `y`.
+    pub fn row(&self, y: usize) -> &[f32] {
+        &self.pixels[y * self.width..(y + 1) * self.width]
+    }
+
+    /// The pixel in column `x` of row `y`.
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        assert!(x < self.width, "column {x} of an image {} wide", self.width);
+        self.pixels[y * self.width + x]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_row_major() {
+        let image = Image::from_fn(3, 2, |x, y| (10 * y + x) as f32);
+        assert_eq!(image.pixels(), [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
+        assert_eq!(image.row(1), [10.0, 11.0, 12.0]);
+        assert_eq!(image.at(2, 1), 12.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "holds width × height pixels")]
+    fn a_wrong_number_of_pixels_is_refused() {
+        Image::new(2, 2, vec![0.0; 3]);
+    }
+}

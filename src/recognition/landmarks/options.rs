@@ -1,0 +1,184 @@
+//! The options of a landmark database. Their defaults are the paper's; each says where the text has it.
+
+use std::fmt;
+
+use crate::vision::OpponentPlan;
+use crate::vision::SignaturePlan;
+pub use crate::vision::{Normalise, Taper};
+
+/// How matches become an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// A§4.5: each point votes for the exemplar of its nearest eigenpoint.
+    Paper,
+}
+
+/// What is known of the camera's attitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Viewpoint {
+    /// Nothing: signatures don't change when the image is turned.
+    Free,
+}
+
+/// What draws attention.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// A§4.2: generalised symmetry.
+    Symmetry,
+}
+
+/// What signatures know of colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    /// The better of the two for the method, as measured: see [`LandmarkOptions::colour_used`].
+    Auto,
+    /// Luminance only.
+    Gray,
+    /// Luminance, and the two opponent planes r − g and b − (r + g)/2.
+    Opponent,
+}
+
+/// How the W of a label's exemplars become the label's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PerLabel {
+    /// That of its best exemplar.
+    Best,
+    /// Their sum.
+    Sum,
+}
+
+/// All options of a landmark database.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkOptions {
+    /// How matches become an answer: A§4.5 itself.
+    pub method: Method,
+    /// What is known of the camera's attitude: nothing (A§4.4 wants signatures that turns don't change).
+    pub viewpoint: Viewpoint,
+    /// What draws attention: the symmetry operator of A§4.2.
+    pub operator: Operator,
+    /// Radius of the disc that the operator looks at, 2..=16 px. A§4.2 leaves it open; 6.
+    pub symmetry_radius_px: usize,
+    /// Interest points of an exemplar, 1..=1024. A§5: 64.
+    pub interest_points: usize,
+    /// Interest points of a frame to recognise, 1..=4096. A§5: 64.
+    pub query_points: usize,
+    /// Radius of the sub-windows, 2..=64 px. A§5: windows of 10 × 10 pixels, so 5.
+    pub subwindow_radius_px: f64,
+    /// Rows of the polar sub-window, 2..=64. A§4.3 leaves the step open.
+    pub rings: usize,
+    /// Columns of the polar sub-window, 4..=128. A§4.3 leaves the step open.
+    pub sectors: usize,
+    /// A§4.4 tapers with a Gaussian before the transform: over the radius only, so that turns change nothing.
+    pub taper: Taper,
+    /// What is made equal between sub-windows: mean and contrast.
+    pub normalise: Normalise,
+    /// What signatures know of colour.
+    pub colour: Colour,
+    /// Coordinates of an eigenpoint, 1..=256. A§4.1 keeps the leading directions.
+    pub dimension: usize,
+    /// Eigenpoints that a query point asks for: A§4.5 has the nearest one alone.
+    pub neighbours: usize,
+    /// ε of the vote 1/(D + ε), 1e-9..=10 (A§4.5).
+    pub epsilon: f64,
+    /// How the W of a label's exemplars become the label's: A§4.5 counts per training image.
+    pub per_label: PerLabel,
+}
+
+impl Default for LandmarkOptions {
+    fn default() -> Self {
+        LandmarkOptions {
+            method: Method::Paper,
+            viewpoint: Viewpoint::Free,
+            operator: Operator::Symmetry,
+            symmetry_radius_px: 6,
+            interest_points: 64,
+            query_points: 64,
+            subwindow_radius_px: 5.0,
+            rings: 10,
+            sectors: 32,
+            taper: Taper::Radial,
+            normalise: Normalise::Contrast,
+            colour: Colour::Auto,
+            dimension: 32,
+            neighbours: 1,
+            epsilon: 1e-3,
+            per_label: PerLabel::Best,
+        }
+    }
+}
+
+/// One thing wrong with the options.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OptionFault {
+    /// The option's name.
+    pub option: &'static str,
+    /// What is wrong, and what would be right.
+    pub message: String,
+}
+
+impl fmt::Display for OptionFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.option, self.message)
+    }
+}
+
+impl LandmarkOptions {
+    /// Everything that is wrong with the options, all at once; empty if they can be used.
+    pub fn faults(&self) -> Vec<OptionFault> {
+        let mut faults = Vec::new();
+        let mut whole = |option, value: usize, least: usize, most: usize| {
+            if !(least..=most).contains(&value) {
+                faults.push(OptionFault { option, message: format!("{value} is not in {least}..={most}") });
+            }
+        };
+        whole("symmetry_radius_px", self.symmetry_radius_px, 2, 16);
+        whole("interest_points", self.interest_points, 1, 1024);
+        whole("query_points", self.query_points, 1, 4096);
+        whole("rings", self.rings, 2, 64);
+        whole("sectors", self.sectors, 4, 128);
+        whole("dimension", self.dimension, 1, 256);
+        let mut real = |option, value: f64, least: f64, most: f64| {
+            if !(least..=most).contains(&value) {
+                faults
+                    .push(OptionFault { option, message: format!("{value} is not in {least:?}..={most:?}") });
+            }
+        };
+        real("subwindow_radius_px", self.subwindow_radius_px, 2.0, 64.0);
+        real("epsilon", self.epsilon, 1e-9, 10.0);
+        if self.neighbours != 1 {
+            let message = format!(
+                "{} given; the paper's method asks for the nearest eigenpoint only: 1",
+                self.neighbours
+            );
+            faults.push(OptionFault { option: "neighbours", message });
+        }
+        let shape_is_sound = !faults.iter().any(|f| ["rings", "sectors", "dimension"].contains(&f.option));
+        if shape_is_sound && self.dimension > self.signature_length() {
+            let length = self.signature_length();
+            let message = format!("{} is more than the {length} components of a signature", self.dimension);
+            faults.push(OptionFault { option: "dimension", message });
+        }
+        faults
+    }
+
+    /// What `colour` comes to: never [`Colour::Auto`].
+    pub fn colour_used(&self) -> Colour {
+        match (self.colour, self.method) {
+            (Colour::Auto, Method::Paper) => Colour::Gray,
+            (colour, Method::Paper) => colour,
+        }
+    }
+
+    /// Components of a signature: rings × (sectors/2 + 1), and in colour 2 × rings × 4 at most more.
+    pub fn signature_length(&self) -> usize {
+        let gray = self.rings * (self.sectors / 2 + 1);
+        match self.colour_used() {
+            Colour::Opponent => gray + 2 * OpponentPlan::new(self.rings, self.sectors).length(),
+            Colour::Auto | Colour::Gray => gray,
+        }
+    }
+
+    pub(super) fn signature_plan(&self) -> SignaturePlan {
+        SignaturePlan::new(self.rings, self.sectors, self.taper, self.normalise)
+    }
+}

@@ -1,0 +1,174 @@
+//! A trained database as plain vectors, and back: what an artifact file holds.
+//!
+//! The vectors may come from anywhere: every length, index, order and number is checked.
+
+use thiserror::Error;
+
+use super::description::Describer;
+use super::model::{Exemplar, Landmarks, Owned};
+use super::options::{Colour, LandmarkOptions, OptionFault};
+use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
+use crate::vision::InterestPoint;
+
+/// No number of a trained database is larger: signatures have lengths about 1, and pictures fewer pixels
+/// a side. Squares and sums of such numbers stay finite.
+const LARGEST: f32 = 1e6;
+
+/// All that a trained landmark database is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkParts {
+    /// With the colour that is used, never `Auto`.
+    pub options: LandmarkOptions,
+    /// Sorted by label, then id.
+    pub exemplars: Vec<Exemplar>,
+    /// Mean signature.
+    pub mean: Vec<f32>,
+    /// dimension × signature length, row-major, rows orthonormal.
+    pub basis: Vec<f32>,
+    /// Variance along each row of the basis, descending.
+    pub eigenvalues: Vec<f64>,
+    /// Variance in all directions.
+    pub total_variance: f64,
+    /// n × dimension, row-major, exemplar by exemplar.
+    pub eigenpoints: Vec<f32>,
+    /// n × 3: x, y, salience of the interest point of each eigenpoint.
+    pub points: Vec<f32>,
+    /// n: index of the exemplar of each eigenpoint, ascending.
+    pub owner: Vec<u32>,
+}
+
+/// What is wrong with the parts of a landmark database.
+#[derive(Debug, Error, PartialEq)]
+pub enum PartsError {
+    #[error("the options can't be used")]
+    Options { faults: Vec<OptionFault> },
+    #[error("the colour of a trained database is gray or opponent, not auto")]
+    ColourUnresolved,
+    #[error("{part} has {found} values where {expected} belong")]
+    Length { part: &'static str, expected: usize, found: usize },
+    #[error("{part} has no values")]
+    Empty { part: &'static str },
+    #[error("{part} holds a number that is not finite, or too large")]
+    Number { part: &'static str },
+    #[error("{part} are not in their order, or not different")]
+    Order { part: &'static str },
+    #[error("the eigenspace is none")]
+    Eigenspace { source: EigenError },
+    #[error("the interest points of exemplar {exemplar} are not as many as it says")]
+    Count { exemplar: usize },
+}
+
+impl Landmarks {
+    /// Copy the database into plain vectors.
+    pub fn to_parts(&self) -> LandmarkParts {
+        LandmarkParts {
+            options: self.options.clone(),
+            exemplars: self.exemplars.clone(),
+            mean: self.eigenspace.mean.clone(),
+            basis: self.eigenspace.basis.clone(),
+            eigenvalues: self.eigenspace.eigenvalues.clone(),
+            total_variance: self.eigenspace.total_variance,
+            eigenpoints: self.index.points().to_vec(),
+            points: self.owned.iter().flat_map(|o| [o.point.x_px, o.point.y_px, o.point.salience]).collect(),
+            owner: self.owned.iter().map(|o| o.exemplar).collect(),
+        }
+    }
+
+    /// Rebuild a database from plain vectors that may hold anything.
+    pub fn from_parts(parts: LandmarkParts) -> Result<Landmarks, PartsError> {
+        parts.check()?;
+        let LandmarkParts { options, exemplars, mean, basis, eigenvalues, total_variance, .. } = parts;
+        let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
+        eigenspace.check_basis().map_err(|source| PartsError::Eigenspace { source })?;
+        let dimension = eigenspace.dimension();
+        let owned = parts
+            .points
+            .chunks_exact(3)
+            .zip(&parts.owner)
+            .map(|(p, &exemplar)| Owned {
+                point: InterestPoint { x_px: p[0], y_px: p[1], salience: p[2] },
+                exemplar,
+            })
+            .collect();
+        Ok(Landmarks {
+            describer: Describer::new(&options),
+            options,
+            exemplars,
+            eigenspace,
+            index: EigenpointIndex::new(parts.eigenpoints, dimension),
+            owned,
+        })
+    }
+}
+
+impl LandmarkParts {
+    fn check(&self) -> Result<(), PartsError> {
+        let faults = self.options.faults();
+        if !faults.is_empty() {
+            return Err(PartsError::Options { faults });
+        }
+        if self.options.colour == Colour::Auto {
+            return Err(PartsError::ColourUnresolved);
+        }
+
+        let (dimension, points) = (self.eigenvalues.len(), self.owner.len());
+        let signature_length = self.options.signature_length();
+        for (part, found) in
+            [("exemplars", self.exemplars.len()), ("eigenvalues", dimension), ("owner", points)]
+        {
+            if found == 0 {
+                return Err(PartsError::Empty { part });
+            }
+        }
+        let length = |part, expected: usize, found: usize| match expected == found {
+            true => Ok(()),
+            false => Err(PartsError::Length { part, expected, found }),
+        };
+        length("eigenvalues", dimension.min(self.options.dimension), dimension)?;
+        length("mean", signature_length, self.mean.len())?;
+        length("basis", dimension * signature_length, self.basis.len())?;
+        length("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len())?;
+        length("points", points.saturating_mul(3), self.points.len())?;
+
+        let vectors: [(&'static str, &[f32]); 4] = [
+            ("mean", &self.mean),
+            ("basis", &self.basis),
+            ("eigenpoints", &self.eigenpoints),
+            ("points", &self.points),
+        ];
+        for (part, values) in vectors {
+            if !values.iter().all(|v| v.abs() <= LARGEST) {
+                return Err(PartsError::Number { part });
+            }
+        }
+        let variance = |v: &f64| (0.0..=f64::from(LARGEST)).contains(v);
+        if !self.eigenvalues.iter().all(variance) {
+            return Err(PartsError::Number { part: "eigenvalues" });
+        }
+        if !variance(&self.total_variance) {
+            return Err(PartsError::Number { part: "total_variance" });
+        }
+
+        if !self.eigenvalues.is_sorted_by(|a, b| a >= b) {
+            return Err(PartsError::Order { part: "eigenvalues" });
+        }
+        if !self.exemplars.is_sorted_by(|a, b| (&a.label, &a.id) < (&b.label, &b.id)) {
+            return Err(PartsError::Order { part: "exemplars" });
+        }
+        if !self.owner.is_sorted() {
+            return Err(PartsError::Order { part: "owner" });
+        }
+        let mut left = &self.owner[..];
+        for (exemplar, e) in self.exemplars.iter().enumerate() {
+            let own = left.partition_point(|&owner| owner as usize <= exemplar);
+            if own != e.points {
+                return Err(PartsError::Count { exemplar });
+            }
+            left = &left[own..];
+        }
+        if !left.is_empty() {
+            return Err(PartsError::Count { exemplar: self.exemplars.len() });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,154 @@
+//! Interest points: the strongest local maxima of an attention map (A§4.2).
+//!
+//! A pixel is a maximum if nothing in the (2·3 + 1)² pixels about it is higher; of equal ones within that
+//! reach only the first in reading order (row by row) stays, so that a plateau gives one point.
+
+use crate::imaging::Image;
+
+/// How far a maximum reaches, to each side.
+const SEPARATION_PX: usize = 3;
+/// Maxima at or below this are noise of a flat picture.
+const LEAST_SALIENCE: f32 = 1e-3;
+
+/// A place worth looking at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterestPoint {
+    /// Column, a whole number.
+    pub x_px: f32,
+    /// Row, a whole number.
+    pub y_px: f32,
+    /// The attention map's value there, > 0.001.
+    pub salience: f32,
+}
+
+/// All local maxima above 0.001, strongest first, equal ones in reading order.
+pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
+    let (width, height) = (map.width(), map.height());
+    if width == 0 || height == 0 {
+        return Vec::new();
+    }
+    let highest = highest_about(map);
+    let mut points = Vec::new();
+    for y in 0..height {
+        for (x, (&salience, &highest)) in map.row(y).iter().zip(&highest[y * width..]).enumerate() {
+            if salience >= highest && salience > LEAST_SALIENCE && !follows_an_equal(map, x, y) {
+                points.push(InterestPoint { x_px: x as f32, y_px: y as f32, salience });
+            }
+        }
+    }
+    points.sort_by(|a, b| b.salience.total_cmp(&a.salience)); // stable: equal ones stay in reading order
+    points
+}
+
+/// Whether an equally high pixel within reach comes before (x, y) in reading order.
+fn follows_an_equal(map: &Image, x: usize, y: usize) -> bool {
+    let here = map.at(x, y);
+    let (left, right) = (x.saturating_sub(SEPARATION_PX), (x + SEPARATION_PX).min(map.width() - 1));
+    (y.saturating_sub(SEPARATION_PX)..=y).any(|row| {
+        let end = if row == y { x } else { right + 1 };
+        map.row(row)[left..end].contains(&here)
+    })
+}
+
+/// The highest value in the square about each pixel, the image's edge cutting it off.
+fn highest_about(map: &Image) -> Vec<f32> {
+    let (width, height) = (map.width(), map.height());
+    let mut across = vec![0.0; width * height];
+    let mut padded = vec![f32::NEG_INFINITY; width + 2 * SEPARATION_PX];
+    for (y, out) in across.chunks_exact_mut(width).enumerate() {
+        padded[SEPARATION_PX..][..width].copy_from_slice(map.row(y));
+        let shifts = (0..=2 * SEPARATION_PX).map(|shift| &padded[shift..][..width]);
+        pulp::Arch::new().dispatch(|| highest(out, shifts));
+    }
+    let mut both = vec![0.0; width * height];
+    for (y, out) in both.chunks_exact_mut(width).enumerate() {
+        let rows = y.saturating_sub(SEPARATION_PX)..(y + SEPARATION_PX + 1).min(height);
+        let rows = rows.map(|row| &across[row * width..][..width]);
+        pulp::Arch::new().dispatch(|| highest(out, rows));
+    }
+    both
+}
+
+#[inline(always)]
+fn highest<'a>(out: &mut [f32], rows: impl Iterator<Item = &'a [f32]>) {
+    out.fill(f32::NEG_INFINITY);
+    for row in rows {
+        for (out, &value) in out.iter_mut().zip(row) {
+            *out = if value > *out { value } else { *out };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn map(rows: &[&str]) -> Image {
+        let digit = |x: usize, y: usize| f32::from(rows[y].as_bytes()[x] - b'0');
+        Image::from_fn(rows[0].len(), rows.len(), digit)
+    }
+
+    fn places(map: &Image) -> Vec<(usize, usize)> {
+        interest_points(map).iter().map(|p| (p.x_px as usize, p.y_px as usize)).collect()
+    }
+
+    #[test]
+    fn maxima_come_strongest_first() {
+        let map = map(&[
+            "000000000000", //
+            "010000000030", //
+            "000000000000", //
+            "000002000000", //
+        ]);
+        assert_eq!(places(&map), [(10, 1), (5, 3), (1, 1)]);
+    }
+
+    #[test]
+    fn a_lower_peak_within_three_pixels_is_no_point() {
+        assert_eq!(places(&map(&["050040000"])), [(1, 0)]);
+        assert_eq!(places(&map(&["050004000"])), [(1, 0), (5, 0)]);
+    }
+
+    #[test]
+    fn a_plateau_gives_its_first_pixel_in_reading_order() {
+        let map = map(&[
+            "000000000", //
+            "000550000", //
+            "000550000", //
+            "000000000", //
+        ]);
+        assert_eq!(places(&map), [(3, 1)]);
+    }
+
+    #[test]
+    fn a_flat_map_has_no_points() {
+        assert!(interest_points(&Image::from_fn(20, 20, |_, _| 0.0)).is_empty());
+        assert!(interest_points(&Image::from_fn(20, 20, |_, _| 1e-3)).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn points_are_exactly_the_maxima(
+            (width, height, levels) in (1usize..30, 1usize..12).prop_flat_map(|(width, height)| {
+                (Just(width), Just(height), prop::collection::vec(0u8..6, width * height))
+            }),
+        ) {
+            let map = Image::new(width, height, levels.into_iter().map(f32::from).collect());
+            let mut expected = Vec::new();
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let here = map.at(x, y);
+                let beats = |(u, v): (usize, usize)| {
+                    let far = u.abs_diff(x) > 3 || v.abs_diff(y) > 3;
+                    far || here > map.at(u, v) || (here == map.at(u, v) && (y, x) <= (v, u))
+                };
+                if here > 0.0 && (0..height).all(|v| (0..width).all(|u| beats((u, v)))) {
+                    expected.push((x, y));
+                }
+            }
+            expected.sort_by(|a, b| map.at(b.0, b.1).total_cmp(&map.at(a.0, a.1)));
+            prop_assert_eq!(places(&map), expected);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The signature of a sub-window (A§4.4): the amplitude of the two-dimensional DFT of its tapered polar
+//! form. A turn shifts the columns cyclically, a shift changes only phases, so the amplitude stays.
+//!
+//! Order: frequency along θ first (0..=sectors/2: the input is real, the other half repeats), along r
+//! within (0..rings). The transform is not normalised; the signature is, as [`Normalise`] says.
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex32;
+use rustfft::{Fft, FftPlanner};
+
+/// Which samples of a sub-window count how much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taper {
+    /// A Gaussian of the radius alone, σ a quarter of the window's length: θ is periodic and needs no
+    /// fading, and without it a turn changes nothing.
+    Radial,
+    /// The paper's words (A§4.4): a two-dimensional Gaussian on the (r, θ) image. It fades out directions,
+    /// so the signature changes under turns.
+    Literal,
+}
+
+/// What is made equal between sub-windows before and after the transform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Normalise {
+    /// Mean removed, deviation made one, signature of unit length: brightness and contrast don't matter.
+    Contrast,
+    /// Signature of unit length, the mean kept: only contrast about black doesn't matter.
+    Energy,
+    /// Grey levels as they are; a white window's signature has length 1.
+    None,
+}
+
+/// Sub-windows whose deviation is below this, in grey levels, show nothing: their signature is zero.
+const LEAST_DEVIATION: f32 = 1e-2;
+
+/// All that is computed once for signatures of one shape; shared between threads.
+#[derive(Clone)]
+pub struct SignaturePlan {
+    rings: usize,
+    sectors: usize,
+    normalise: Normalise,
+    /// Weight of every sample, ring by ring.
+    taper: Vec<f32>,
+    /// Along θ, two real rings at a time as one complex row.
+    along_theta: Arc<dyn Fft<f32>>,
+    along_r: Arc<dyn Fft<f32>>,
+    /// The length of a white window's spectrum.
+    white: f32,
+}
+
+/// The working memory of one thread.
+#[derive(Clone, Debug)]
+pub struct SignatureScratch {
+    rows: Vec<Complex32>,
+    columns: Vec<Complex32>,
+    inner: Vec<Complex32>,
+}
+
+impl SignaturePlan {
+    /// A plan for sub-windows of `rings` × `sectors` samples, both at least 1.
+    pub fn new(rings: usize, sectors: usize, taper: Taper, normalise: Normalise) -> SignaturePlan {
+        let mut planner = FftPlanner::new();
+        let taper = weights(rings, sectors, taper);
+        // Parseval: ‖spectrum‖² over both halves is rings · sectors · Σ (255 w)²; the repeated half of the
+        // frequencies counts as well, which a length in round figures may.
+        let energy: f64 = taper.iter().map(|&w| (255.0 * f64::from(w)).powi(2)).sum();
+        SignaturePlan {
+            rings,
+            sectors,
+            normalise,
+            taper,
+            along_theta: planner.plan_fft_forward(sectors),
+            along_r: planner.plan_fft_forward(rings),
+            white: (energy * (rings * sectors) as f64).sqrt() as f32,
+        }
+    }
+
+    /// How many numbers a signature has: rings × (sectors/2 + 1).
+    pub fn length(&self) -> usize {
+        self.rings * (self.sectors / 2 + 1)
+    }
+
+    /// Working memory for [`SignaturePlan::sign`].
+    pub fn scratch(&self) -> SignatureScratch {
+        let inner = self.along_theta.get_inplace_scratch_len().max(self.along_r.get_inplace_scratch_len());
+        SignatureScratch {
+            rows: vec![Complex32::ZERO; self.rings.div_ceil(2) * self.sectors],
+            columns: vec![Complex32::ZERO; self.length()],
+            inner: vec![Complex32::ZERO; inner],
+        }
+    }
+
+    /// Write the signature of one sub-window; allocates nothing.
+    ///
+    /// # Panics
+    /// If `samples` does not hold rings × sectors values or `signature` not [`SignaturePlan::length`].
+    pub fn sign(&self, samples: &[f32], scratch: &mut SignatureScratch, signature: &mut [f32]) {
+        assert_eq!(samples.len(), self.taper.len(), "rings × sectors samples");
+        assert_eq!(signature.len(), self.length(), "rings × (sectors/2 + 1) amplitudes");
+        let Some((offset, scale)) = self.brightness(samples) else {
+            signature.fill(0.0);
+            return;
+        };
+
+        let (sectors, half) = (self.sectors, self.sectors / 2 + 1);
+        let value = |ring: usize, sector: usize| {
+            let at = ring * sectors + sector;
+            (samples[at] - offset) * scale * self.taper[at]
+        };
+        for (pair, row) in scratch.rows.chunks_exact_mut(sectors).enumerate() {
+            let (first, second) = (2 * pair, 2 * pair + 1);
+            for (sector, z) in row.iter_mut().enumerate() {
+                let im = if second < self.rings { value(second, sector) } else { 0.0 };
+                *z = Complex32::new(value(first, sector), im);
+            }
+        }
+        self.along_theta.process_with_scratch(&mut scratch.rows, &mut scratch.inner); // A§4.4
+
+        // Z = A + iB of two real rings: A = (Z(k) + Z*(−k))/2, B = (Z(k) − Z*(−k))/2i
+        for (pair, row) in scratch.rows.chunks_exact(sectors).enumerate() {
+            for k in 0..half {
+                let (z, w) = (row[k], row[(sectors - k) % sectors].conj());
+                let column = &mut scratch.columns[k * self.rings..][..self.rings];
+                column[2 * pair] = (z + w) * 0.5;
+                if let Some(second) = column.get_mut(2 * pair + 1) {
+                    let d = (z - w) * 0.5;
+                    *second = Complex32::new(d.im, -d.re);
+                }
+            }
+        }
+        self.along_r.process_with_scratch(&mut scratch.columns, &mut scratch.inner); // A§4.4
+
+        for (amplitude, z) in signature.iter_mut().zip(&scratch.columns) {
+            *amplitude = (z.re * z.re + z.im * z.im).sqrt();
+        }
+        let length = match self.normalise {
+            Normalise::None => self.white,
+            Normalise::Contrast | Normalise::Energy => {
+                signature.iter().map(|&v| f64::from(v) * f64::from(v)).sum::<f64>().sqrt() as f32
+            }
+        };
+        if length > 0.0 {
+            signature.iter_mut().for_each(|v| *v /= length);
+        }
+    }
+
+    /// What is subtracted from the samples and what they are then multiplied by; `None` if there is
+    /// nothing to see.
+    fn brightness(&self, samples: &[f32]) -> Option<(f32, f32)> {
+        match self.normalise {
+            Normalise::Energy | Normalise::None => Some((0.0, 1.0)),
+            Normalise::Contrast => {
+                let count = samples.len() as f64;
+                let mean = samples.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+                let square = samples.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>();
+                let deviation = (square / count).sqrt() as f32;
+                (deviation >= LEAST_DEVIATION).then(|| (mean as f32, 1.0 / deviation))
+            }
+        }
+    }
+}
+
+/// The taper on a window of unit radius, σ a quarter of each axis's whole length (A§4.4).
+fn weights(rings: usize, sectors: usize, taper: Taper) -> Vec<f32> {
+    let bell = |v: f64| (-0.5 * v * v).exp();
+    let over_r = |ring: usize| bell((ring as f64 + 0.5) / rings as f64 / 0.5);
+    let over_theta = |sector: usize| match taper {
+        Taper::Radial => 1.0,
+        Taper::Literal => bell((sector as f64 - (sectors as f64 - 1.0) / 2.0) / (sectors as f64 / 4.0)),
+    };
+    (0..rings)
+        .flat_map(|ring| (0..sectors).map(move |sector| (over_r(ring) * over_theta(sector)) as f32))
+        .collect()
+}
