@@ -12,6 +12,7 @@ pub mod http;
 pub mod imaging;
 pub mod jobs;
 pub mod recognition;
+pub mod serve;
 pub mod store;
 pub mod telemetry;
 pub mod vision;

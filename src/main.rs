@@ -1,1 +1,110 @@
-fn main() {}
+//! The verbs of `landmarkd`. Wires the parts, decides nothing.
+
+use std::io::{IsTerminal, Write};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::Context;
+use clap::{Parser, Subcommand};
+use landmarkd::config::{GivenSettings, Settings};
+use landmarkd::{http, serve, telemetry};
+
+/// Robots ask where they are and what they see; the answer comes with its evidence.
+#[derive(Parser)]
+#[command(version, about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Serve the databases of a folder over HTTP
+    Serve {
+        /// Settings as TOML; flags and environment win over it
+        #[arg(long, env = "LANDMARKD_CONFIG", value_name = "FILE")]
+        config: Option<PathBuf>,
+        #[command(flatten)]
+        settings: GivenSettings,
+    },
+    /// Print the OpenAPI document
+    Openapi,
+    /// Succeed if the service at the address is ready
+    Healthcheck {
+        /// Where the service listens
+        #[arg(long, env = "LANDMARKD_BIND", default_value = "127.0.0.1:8080", value_name = "ADDRESS")]
+        bind: SocketAddr,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().verb) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("landmarkd: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(verb: Verb) -> anyhow::Result<()> {
+    match verb {
+        Verb::Serve { config, settings } => {
+            let settings = Settings::settle(settings, config.as_deref())?;
+            telemetry::start_logging(settings.log_format, false);
+            runtime()?.block_on(serve::serve(
+                &settings,
+                |address| {
+                    tracing::info!(%address, data_dir = %settings.data_dir.display(), "listening");
+                },
+                stop_signal(),
+            ))?;
+            Ok(())
+        }
+        Verb::Openapi => {
+            std::io::stdout().write_all(http::openapi::text().as_bytes())?;
+            Ok(())
+        }
+        Verb::Healthcheck { bind } => runtime()?.block_on(healthcheck(bind)),
+    }
+}
+
+fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
+    tokio::runtime::Builder::new_multi_thread().enable_all().build().context("can't start the async runtime")
+}
+
+/// Resolves at Ctrl-C or SIGTERM.
+async fn stop_signal() {
+    let interrupt = tokio::signal::ctrl_c();
+    #[cfg(unix)]
+    {
+        match tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
+            Ok(mut terminate) => tokio::select! {
+                _ = interrupt => {}
+                _ = terminate.recv() => {}
+            },
+            Err(_) => drop(interrupt.await),
+        }
+    }
+    #[cfg(not(unix))]
+    drop(interrupt.await);
+}
+
+async fn healthcheck(bind: SocketAddr) -> anyhow::Result<()> {
+    // A service bound to every address answers on loopback.
+    let host = match bind.ip() {
+        ip if ip.is_unspecified() && ip.is_ipv4() => [127, 0, 0, 1].into(),
+        ip if ip.is_unspecified() => std::net::Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    let url = format!("http://{}/readyz", SocketAddr::new(host, bind.port()));
+    let client = reqwest::Client::builder().timeout(Duration::from_secs(5)).no_proxy().build()?;
+    let answer = client.get(&url).send().await.with_context(|| format!("no answer from {url}"))?;
+    anyhow::ensure!(answer.status().is_success(), "{url} answers {}", answer.status());
+    if std::io::stdout().is_terminal() {
+        println!("ready");
+    }
+    Ok(())
+}

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
 use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name};
-use crate::store::{CatalogueError, content_hash};
+use crate::store::{BlobName, CatalogueError};
 
 /// What a robot says about a frame; answers echo it as sent.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -38,13 +38,8 @@ pub struct NewExemplar {
 /// The id of an exemplar: a UUID of version 8 made from its content.
 fn exemplar_id(label: &Name, pose_deg: Option<f64>, sha256: &str) -> Uuid {
     let pose = pose_deg.map_or_else(String::new, |pose| pose.to_string());
-    let hash = content_hash(format!("exemplar\n{label}\n{pose}\n{sha256}").as_bytes());
-    let mut bytes = [0; 16];
-    for (byte, hex) in bytes.iter_mut().zip(hash.as_bytes().chunks_exact(2)) {
-        let digit = |c: u8| (c as char).to_digit(16).unwrap_or(0) as u8;
-        *byte = digit(hex[0]) << 4 | digit(hex[1]);
-    }
-    Uuid::new_v8(bytes)
+    let hash = BlobName::of(format!("exemplar\n{label}\n{pose}\n{sha256}").as_bytes());
+    Uuid::new_v8(hash.as_bytes().as_chunks().0[0])
 }
 
 fn sha256_hex(bytes: &[u8]) -> String {
@@ -107,7 +102,7 @@ impl Databases {
 
     /// The bytes of an exemplar, as they were sent.
     pub async fn exemplar_bytes(&self, row: &ExemplarRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
+        Ok(self.blobs.get(row.blob.parse()?, row.bytes).await?)
     }
 
     /// Exemplars by id, after `after`.

@@ -61,6 +61,16 @@ impl Databases {
         &self.registry
     }
 
+    /// Whether the catalogue answers.
+    pub async fn ping_catalogue(&self) -> Result<(), DatabaseError> {
+        Ok(self.catalogue.ping().await?)
+    }
+
+    /// Whether the blob store answers.
+    pub async fn ping_blobs(&self) -> Result<(), DatabaseError> {
+        Ok(self.blobs.ping().await?)
+    }
+
     /// Create a database, or find the one of that name; `true` when it is new. Options given for a database that
     /// is there replace the kept ones, and count from the next training on.
     ///

@@ -15,7 +15,7 @@ use super::artifact;
 use super::{CURRENT, DatabaseError, Databases, Kind, Name};
 use crate::compute::{Compute, Lane};
 use crate::recognition::landmarks::Landmarks;
-use crate::store::{AliasTarget, Blobs, Catalogue};
+use crate::store::{AliasTarget, Blobs, Catalogue, InvalidBlobName};
 use crate::telemetry::chain;
 
 /// What a version recognises with.
@@ -195,8 +195,8 @@ impl Registry {
         digest: &str,
         blob: &str,
     ) -> Result<Arc<LoadedVersion>, String> {
-        let name = blob.parse().map_err(|error: crate::store::BlobError| chain(&error))?;
-        let bytes = self.blobs.get(&name, u64::MAX).await.map_err(|error| chain(&error))?;
+        let name = blob.parse().map_err(|error: InvalidBlobName| error.to_string())?;
+        let bytes = self.blobs.get(name, u64::MAX).await.map_err(|error| chain(&error))?;
         let read = self.compute.run(Lane::Training, 0, move || {
             let artifact = artifact::read(&bytes)?;
             Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))

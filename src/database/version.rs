@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::artifact::{self, Artifact};
 use super::{DatabaseError, Databases, ExemplarRow, Kind, Name, VersionRow};
 use crate::compute::{Compute, Lane};
-use crate::store::{CatalogueError, NewVersion, content_hash};
+use crate::store::{BlobName, CatalogueError, NewVersion};
 
 /// Grows with every change that makes training give other results for the same inputs.
 pub const ALGORITHM_REVISION: i64 = 1;
@@ -37,7 +37,7 @@ pub fn inputs_digest(kind: Kind, options_document: &str, exemplars: &[ExemplarRo
         "landmarkd inputs\n{kind}\nrevision {ALGORITHM_REVISION}\n{options_document}\n{}\n",
         lines.join("\n")
     );
-    content_hash(text.as_bytes())
+    BlobName::of(text.as_bytes()).to_string()
 }
 
 impl Databases {
@@ -80,7 +80,7 @@ impl Databases {
 
     /// The artifact file of a version.
     pub async fn artifact(&self, row: &VersionRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
+        Ok(self.blobs.get(row.blob.parse()?, row.bytes).await?)
     }
 
     /// Take in an artifact file: checked whole, then a new version; `true` when it is new. No alias moves.

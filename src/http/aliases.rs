@@ -13,7 +13,7 @@ use super::databases::DatabasePath;
 use super::extract::{Json as JsonIn, Path};
 use super::pages::Page;
 use super::problem::{Code, Problem};
-use crate::database::{AliasExpectation, AliasRow, Name};
+use crate::database::{AliasExpectation, AliasRow, DatabaseError, Name};
 
 /// The alias that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -60,7 +60,11 @@ fn with_etag(status: StatusCode, row: AliasRow) -> Response {
 }
 
 /// What `If-Match` and `If-None-Match` say the alias is now.
-fn expected(headers: &HeaderMap) -> Result<AliasExpectation, Problem> {
+async fn expected(
+    service: &Service,
+    path: &AliasPath,
+    headers: &HeaderMap,
+) -> Result<AliasExpectation, Problem> {
     let wrong = |name: &str| {
         Problem::new(Code::MalformedRequest, format!("{name} must be one ETag as GET of the alias gives it"))
     };
@@ -70,8 +74,11 @@ fn expected(headers: &HeaderMap) -> Result<AliasExpectation, Problem> {
     let Some(value) = headers.get(header::IF_MATCH) else { return Ok(AliasExpectation::Any) };
     let text = value.to_str().map_err(|_| wrong("If-Match"))?;
     if text == "*" {
-        // Any alias that is there: none is at revision 0, so an absent one would be found below.
-        return Ok(AliasExpectation::Any);
+        return match service.databases.alias(&path.database, &path.alias).await {
+            Ok(row) => Ok(AliasExpectation::Revision(row.revision)),
+            Err(DatabaseError::UnknownAlias { .. }) => Err(DatabaseError::PreconditionFailed.into()),
+            Err(error) => Err(error.into()),
+        };
     }
     let quoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
     let revision = quoted.and_then(|text| text.parse().ok());
@@ -93,8 +100,8 @@ pub async fn put(
     headers: HeaderMap,
     JsonIn(new): JsonIn<NewAlias>,
 ) -> Result<Response, Problem> {
-    let expected = expected(&headers)?;
     service.databases.get(&path.database).await?;
+    let expected = expected(&service, &path, &headers).await?;
     let set = service.databases.set_alias(&path.database, &path.alias, new.version, expected);
     let (row, created) = set.await?;
     Ok(with_etag(if created { StatusCode::CREATED } else { StatusCode::OK }, row))
@@ -135,8 +142,8 @@ pub async fn delete(
     Path(path): Path<AliasPath>,
     headers: HeaderMap,
 ) -> Result<StatusCode, Problem> {
-    let expected = expected(&headers)?;
     service.databases.get(&path.database).await?;
+    let expected = expected(&service, &path, &headers).await?;
     service.databases.delete_alias(&path.database, &path.alias, expected).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -15,7 +15,7 @@ use super::problem::{Code, Problem};
 use super::{Service, body};
 use crate::config::Limits;
 use crate::database::FrameHeader;
-use crate::imaging::{self, DecodeLimits, Format, Frame};
+use crate::imaging::{self, DecodeLimits, Format};
 
 /// A picture as sent, with what its header says.
 #[derive(Debug, Clone)]
@@ -24,6 +24,8 @@ pub struct Picture {
     pub format: Format,
     pub width_px: u32,
     pub height_px: u32,
+    /// Memory that the picture takes while it is worked on.
+    pub working_bytes: u64,
 }
 
 impl Picture {
@@ -33,12 +35,13 @@ impl Picture {
     /// No picture, a format we don't read, or too many pixels.
     pub fn of(bytes: Bytes, limits: &DecodeLimits) -> Result<Self, Problem> {
         let header = imaging::read_header(&bytes, limits)?;
-        Ok(Self { bytes, format: header.format, width_px: header.width_px, height_px: header.height_px })
-    }
-
-    /// Memory that the picture takes while it is worked on.
-    pub fn working_bytes(&self) -> u64 {
-        Frame::working_bytes(self.width_px, self.height_px)
+        Ok(Self {
+            bytes,
+            format: header.format,
+            width_px: header.width_px,
+            height_px: header.height_px,
+            working_bytes: header.frame_bytes(),
+        })
     }
 }
 

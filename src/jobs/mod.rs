@@ -12,7 +12,7 @@ use std::time::Duration;
 use tokio::sync::Notify;
 use uuid::Uuid;
 
-use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, Name};
+use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name};
 use crate::store::Catalogue;
 pub use runner::{Runner, WORKER_LEASE};
 pub use training::{Promote, TrainingParams};
@@ -100,7 +100,13 @@ impl Jobs {
         asked.ok_or(JobError::Unknown { id })
     }
 
-    /// The events of a job after number `after`, waiting for the next when there is none yet.
+    /// How many jobs there are in each state that has any.
+    pub async fn by_state(&self) -> Result<Vec<(JobState, u64)>, JobError> {
+        Ok(self.catalogue.jobs_by_state().await.map_err(DatabaseError::from)?)
+    }
+
+    /// The events of a job after number `after`, waiting for the next when there is none yet; empty when the job
+    /// has ended and there will be none.
     pub async fn events_after(&self, id: Uuid, after: i64) -> Result<Vec<JobEventRow>, JobError> {
         loop {
             let changed = self.changed.notified();
@@ -108,8 +114,10 @@ impl Jobs {
             if !events.is_empty() {
                 return Ok(events);
             }
-            // Gone with its row: nothing will come.
-            self.get(id).await?;
+            if self.get(id).await?.state.is_terminal() {
+                // Its last event may have come between the two looks.
+                return Ok(self.catalogue.job_events(id, after).await.map_err(DatabaseError::from)?);
+            }
             let _ = tokio::time::timeout(EVENTS_POLL, changed).await;
         }
     }

@@ -17,7 +17,7 @@ use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model,
     inputs_digest, options,
 };
-use crate::imaging::{self, DecodeLimits, Frame};
+use crate::imaging::{self, DecodeLimits};
 use crate::recognition::landmarks::{self, DescribedExemplar, ExemplarName, LandmarkOptions, Landmarks};
 use crate::store::{BlobError, CatalogueError};
 
@@ -173,7 +173,7 @@ async fn describe(
     limits: DecodeLimits,
 ) -> Result<DescribedExemplar, Stop> {
     let bytes = databases.exemplar_bytes(&row).await?;
-    let memory = Frame::working_bytes(row.width_px, row.height_px);
+    let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.frame_bytes());
     let name = ExemplarName { id: row.id.to_string(), label: row.label };
     let work = move || {
         let frame = imaging::decode(&bytes, &limits)?;

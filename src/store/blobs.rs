@@ -35,6 +35,11 @@ impl BlobName {
         Self(*blake3::hash(content).as_bytes())
     }
 
+    /// The hash itself.
+    pub const fn as_bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+
     fn path(self) -> Path {
         let digits = self.to_string();
         Path::from_iter([&digits[..2], digits.as_str()])

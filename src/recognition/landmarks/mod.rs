@@ -3,6 +3,7 @@
 //! Training: [`describe`] each exemplar, then [`Landmarks::train`]. Recognition: [`Landmarks::recognise`].
 //! The steps stand in [`description`] (A§4.2–4.4), [`training`] (A§4.1) and [`vote`] (A§4.5).
 
+pub mod annotated;
 pub mod description;
 pub mod model;
 pub mod options;
@@ -11,6 +12,7 @@ pub mod training;
 pub mod vote;
 pub mod warning;
 
+pub use annotated::annotate;
 pub use description::{DescribedExemplar, ExemplarName, describe};
 pub use model::{Exemplar, Landmarks, Stage};
 pub use options::{

@@ -1,0 +1,374 @@
+//! The artifact file: one version as one self-describing file.
+//!
+//! It is a safetensors file, so Python, JAX or a notebook reads its tensors without us: `mean` [signature],
+//! `basis` [dimension, signature], `eigenvalues` [dimension], `eigenpoints` [points, dimension], `points`
+//! [points, 3] (x, y in pixels, salience) and `owner` [points] (index into the exemplars). Everything else is one
+//! JSON text under the metadata key `landmarkd` (one key, so that the same version gives the same bytes):
+//! format, kind, algorithm revision, digest of the inputs, options, counts, exemplars, report, checksum.
+//!
+//! The checksum is the hash of the whole file with the checksum's own digits set to `0`: no byte can change
+//! unseen. The file may come from anywhere: a wrong one is refused with what is wrong, never a panic.
+
+use std::collections::HashMap;
+
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use uuid::Uuid;
+
+use super::options::{self, DocumentError};
+use super::registry::Model;
+use super::{Counts, Kind, Name};
+use crate::recognition::landmarks::{
+    Colour, Exemplar, LandmarkParts, Landmarks, PartsError, TrainingReport,
+};
+use crate::store::BlobName;
+
+/// The format that is written; older ones are read for ever.
+const FORMAT: u32 = 1;
+const METADATA_KEY: &str = "landmarkd";
+
+/// A version as its file tells it.
+#[derive(Debug)]
+pub struct Artifact {
+    /// Digest of the inputs, hex.
+    pub digest: String,
+    pub algorithm_revision: i64,
+    pub counts: Counts,
+    /// What the training told of itself; a JSON object.
+    pub report: Value,
+    pub model: Model,
+}
+
+impl Artifact {
+    /// The kind of database it belongs to.
+    pub fn kind(&self) -> Kind {
+        match self.model {
+            Model::Landmarks(_) => Kind::Landmarks,
+        }
+    }
+
+    /// The options it was trained with, as they are kept.
+    pub fn options_document(&self) -> String {
+        let Model::Landmarks(landmarks) = &self.model;
+        options::to_document(landmarks.options())
+    }
+}
+
+/// Why a file is no artifact that can be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ArtifactError {
+    #[error("the file is no safetensors file, or it is cut off")]
+    NotSafetensors {
+        #[source]
+        source: safetensors::SafeTensorError,
+    },
+    #[error("the file's metadata is not that of a landmarkd artifact")]
+    Metadata {
+        #[source]
+        source: Option<serde_json::Error>,
+    },
+    #[error("the file has format {found}; this release reads up to {FORMAT}: update the service")]
+    TooNew { found: u32 },
+    #[error("the file is of kind {kind}, which this release can't use")]
+    KindUnknown { kind: String },
+    #[error("the file's checksum doesn't match: it was damaged or changed")]
+    Checksum,
+    #[error("the options in the file can't be used")]
+    Options {
+        #[source]
+        source: DocumentError,
+    },
+    #[error("tensor {name} is missing, or not of the type it must have")]
+    Tensor { name: &'static str },
+    #[error("the parts of the file don't fit together")]
+    Parts {
+        #[source]
+        source: PartsError,
+    },
+    #[error("the counts, names or digest in the file are not those of an artifact")]
+    Contents,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    format: u32,
+    kind: String,
+    algorithm_revision: i64,
+    digest: String,
+    checksum: String,
+    /// The options' document, as text: its digits are part of the digest.
+    options: String,
+    counts: Counts,
+    total_variance: f64,
+    exemplars: Vec<ExemplarDocument>,
+    report: Value,
+}
+
+#[derive(Serialize, Deserialize)]
+struct ExemplarDocument {
+    id: String,
+    label: String,
+    width_px: u32,
+    height_px: u32,
+    points: usize,
+}
+
+/// The report of a training as it is kept.
+#[derive(Serialize)]
+struct ReportDocument<'a> {
+    spectrum: &'a [f64],
+    energy_kept: f64,
+    dimension: usize,
+    signature_length: usize,
+    colour: &'static str,
+    exemplars_without_points: &'a [String],
+}
+
+/// The report of a training as a JSON object.
+pub fn report_document(report: &TrainingReport) -> Value {
+    let document = ReportDocument {
+        spectrum: &report.spectrum,
+        energy_kept: report.energy_kept,
+        dimension: report.dimension,
+        signature_length: report.signature_length,
+        colour: match report.colour {
+            Colour::Auto => "auto",
+            Colour::Gray => "gray",
+            Colour::Opponent => "opponent",
+        },
+        exemplars_without_points: &report.exemplars_without_points,
+    };
+    serde_json::to_value(document).expect("numbers and text always serialise")
+}
+
+const NO_CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
+/// The artifact as a file.
+pub fn write(artifact: &Artifact) -> Vec<u8> {
+    let Model::Landmarks(landmarks) = &artifact.model;
+    let parts = landmarks.to_parts();
+    let header = Header {
+        format: FORMAT,
+        kind: artifact.kind().as_str().into(),
+        algorithm_revision: artifact.algorithm_revision,
+        digest: artifact.digest.clone(),
+        checksum: NO_CHECKSUM.into(),
+        options: artifact.options_document(),
+        counts: artifact.counts,
+        total_variance: parts.total_variance,
+        exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
+        report: artifact.report.clone(),
+    };
+    let header = serde_json::to_string(&header).expect("numbers and text always serialise");
+    let (dimension, points) = (parts.eigenvalues.len(), parts.owner.len());
+    let signature = parts.mean.len();
+    let tensors = [
+        ("basis", Dtype::F32, vec![dimension, signature], le_bytes(&parts.basis, f32::to_le_bytes)),
+        ("eigenpoints", Dtype::F32, vec![points, dimension], le_bytes(&parts.eigenpoints, f32::to_le_bytes)),
+        ("eigenvalues", Dtype::F64, vec![dimension], le_bytes(&parts.eigenvalues, f64::to_le_bytes)),
+        ("mean", Dtype::F32, vec![signature], le_bytes(&parts.mean, f32::to_le_bytes)),
+        ("owner", Dtype::U32, vec![points], le_bytes(&parts.owner, u32::to_le_bytes)),
+        ("points", Dtype::F32, vec![points, 3], le_bytes(&parts.points, f32::to_le_bytes)),
+    ];
+    let views = tensors.iter().map(|(name, dtype, shape, bytes)| {
+        let view = TensorView::new(*dtype, shape.clone(), bytes);
+        (*name, view.expect("each shape is that of its vector"))
+    });
+    let metadata = HashMap::from([(METADATA_KEY.to_owned(), header)]);
+    let mut file = safetensors::serialize(views, Some(metadata)).expect("each name stands once");
+    let checksum = BlobName::of(&file).to_string();
+    let at = find(&file, NO_CHECKSUM.as_bytes()).expect("the header was written with it");
+    file[at..at + checksum.len()].copy_from_slice(checksum.as_bytes());
+    file
+}
+
+/// Read an artifact file, checked whole.
+///
+/// # Errors
+/// [`ArtifactError`]: what is wrong with the file.
+pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
+    let not_safetensors = |source| ArtifactError::NotSafetensors { source };
+    let (_, metadata) = SafeTensors::read_metadata(file).map_err(not_safetensors)?;
+    let tensors = SafeTensors::deserialize(file).map_err(not_safetensors)?;
+    let text = metadata.metadata().as_ref().and_then(|metadata| metadata.get(METADATA_KEY));
+    let text = text.ok_or(ArtifactError::Metadata { source: None })?;
+    let header: Header =
+        serde_json::from_str(text).map_err(|source| ArtifactError::Metadata { source: Some(source) })?;
+    if header.format > FORMAT {
+        return Err(ArtifactError::TooNew { found: header.format });
+    }
+    verify_checksum(file, &header.checksum)?;
+    if Kind::parse(&header.kind).is_none() {
+        return Err(ArtifactError::KindUnknown { kind: header.kind });
+    }
+    let options =
+        options::from_document(&header.options).map_err(|source| ArtifactError::Options { source })?;
+    let parts = LandmarkParts {
+        options,
+        exemplars: header.exemplars.into_iter().map(Exemplar::from).collect(),
+        mean: tensor(&tensors, "mean", Dtype::F32, f32::from_le_bytes)?,
+        basis: tensor(&tensors, "basis", Dtype::F32, f32::from_le_bytes)?,
+        eigenvalues: tensor(&tensors, "eigenvalues", Dtype::F64, f64::from_le_bytes)?,
+        total_variance: header.total_variance,
+        eigenpoints: tensor(&tensors, "eigenpoints", Dtype::F32, f32::from_le_bytes)?,
+        points: tensor(&tensors, "points", Dtype::F32, f32::from_le_bytes)?,
+        owner: tensor(&tensors, "owner", Dtype::U32, u32::from_le_bytes)?,
+    };
+    let named = |exemplar: &Exemplar| {
+        Name::parse(&exemplar.label).is_ok() && Uuid::try_parse(&exemplar.id).is_ok()
+    };
+    if !parts.exemplars.iter().all(named) {
+        return Err(ArtifactError::Contents);
+    }
+    let (exemplars, points) = (parts.exemplars.len() as u64, parts.owner.len() as u64);
+    let landmarks = Landmarks::from_parts(parts).map_err(|source| ArtifactError::Parts { source })?;
+    let counts = Counts { exemplars, labels: landmarks.labels().len() as u64, interest_points: points };
+    if counts != header.counts || header.digest.parse::<BlobName>().is_err() || !header.report.is_object() {
+        return Err(ArtifactError::Contents);
+    }
+    Ok(Artifact {
+        digest: header.digest,
+        algorithm_revision: header.algorithm_revision,
+        counts,
+        report: header.report,
+        model: Model::Landmarks(landmarks),
+    })
+}
+
+/// Hash the file with the checksum's digits set to `0`.
+fn verify_checksum(file: &[u8], checksum: &str) -> Result<(), ArtifactError> {
+    let at = find(file, checksum.as_bytes()).ok_or(ArtifactError::Checksum)?;
+    if checksum.len() != NO_CHECKSUM.len() {
+        return Err(ArtifactError::Checksum);
+    }
+    let mut blank = file.to_vec();
+    blank[at..at + checksum.len()].copy_from_slice(NO_CHECKSUM.as_bytes());
+    if BlobName::of(&blank).to_string() == checksum { Ok(()) } else { Err(ArtifactError::Checksum) }
+}
+
+fn find(text: &[u8], part: &[u8]) -> Option<usize> {
+    (!part.is_empty()).then(|| text.windows(part.len()).position(|window| window == part)).flatten()
+}
+
+fn le_bytes<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+    values.iter().flat_map(|&value| bytes(value)).collect()
+}
+
+fn tensor<T, const N: usize>(
+    tensors: &SafeTensors,
+    name: &'static str,
+    dtype: Dtype,
+    value: impl Fn([u8; N]) -> T,
+) -> Result<Vec<T>, ArtifactError> {
+    let view = tensors.tensor(name).map_err(|_| ArtifactError::Tensor { name })?;
+    if view.dtype() != dtype {
+        return Err(ArtifactError::Tensor { name });
+    }
+    let (values, rest) = view.data().as_chunks::<N>();
+    if !rest.is_empty() {
+        return Err(ArtifactError::Tensor { name });
+    }
+    Ok(values.iter().map(|bytes| value(*bytes)).collect())
+}
+
+impl From<&Exemplar> for ExemplarDocument {
+    fn from(exemplar: &Exemplar) -> Self {
+        Self {
+            id: exemplar.id.clone(),
+            label: exemplar.label.clone(),
+            width_px: exemplar.width_px,
+            height_px: exemplar.height_px,
+            points: exemplar.points,
+        }
+    }
+}
+
+impl From<ExemplarDocument> for Exemplar {
+    fn from(document: ExemplarDocument) -> Self {
+        Self {
+            id: document.id,
+            label: document.label,
+            width_px: document.width_px,
+            height_px: document.height_px,
+            points: document.points,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imaging::{Frame, Image};
+    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, describe};
+
+    /// Two exemplars of 40×40 with a disc and a square; few rings, so that the file is small.
+    fn artifact() -> Artifact {
+        let options = LandmarkOptions {
+            interest_points: 4,
+            rings: 2,
+            sectors: 4,
+            dimension: 2,
+            ..LandmarkOptions::default()
+        };
+        let disc = Image::from_fn(40, 40, |x, y| {
+            let (dx, dy) = (x as f32 - 17.0, y as f32 - 21.0);
+            if dx * dx + dy * dy < 40.0 { 220.0 } else { 20.0 }
+        });
+        let square = Image::from_fn(40, 40, |x, y| {
+            if (12..25).contains(&x) && (9..20).contains(&y) { 200.0 } else { 40.0 }
+        });
+        let described = [("disc", disc), ("square", square)].map(|(label, image)| {
+            let id = Uuid::new_v8([label.len() as u8; 16]).to_string();
+            let name = ExemplarName { id, label: label.into() };
+            describe(name, &Frame::gray(image), &options)
+        });
+        let (landmarks, report) = Landmarks::train(described.into(), &options).unwrap();
+        Artifact {
+            digest: BlobName::of(b"inputs").to_string(),
+            algorithm_revision: 1,
+            counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
+            report: report_document(&report),
+            model: Model::Landmarks(landmarks),
+        }
+    }
+
+    #[test]
+    fn a_file_comes_back_as_the_same_version_and_the_same_bytes() {
+        let written = artifact();
+        let file = write(&written);
+        let read = read(&file).unwrap();
+        let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model);
+        assert_eq!(before.to_parts(), after.to_parts());
+        assert_eq!((read.digest.as_str(), read.counts), (written.digest.as_str(), written.counts));
+        assert_eq!(write(&read), file);
+        assert_eq!(write(&artifact()), file, "training the same twice gives the same bytes");
+    }
+
+    #[test]
+    fn every_flipped_byte_is_found() {
+        let file = write(&artifact());
+        for at in 0..file.len() {
+            let mut damaged = file.clone();
+            damaged[at] ^= 0x10;
+            assert!(read(&damaged).is_err(), "byte {at} of {} was flipped unseen", file.len());
+        }
+    }
+
+    #[test]
+    fn a_file_cut_off_anywhere_is_refused() {
+        let file = write(&artifact());
+        for length in (0..file.len()).step_by(97) {
+            assert!(read(&file[..length]).is_err(), "cut off after {length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_newer_format_says_so() {
+        let file = write(&artifact());
+        let at = find(&file, br#"\"format\":1"#).unwrap();
+        let mut newer = file.clone();
+        newer[at + 11] = b'9';
+        assert!(matches!(read(&newer), Err(ArtifactError::TooNew { found: 9 })));
+    }
+}

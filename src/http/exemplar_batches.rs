@@ -1,0 +1,301 @@
+//! `POST /v1/databases/{database}/exemplars:batch`: many training images at once, as a form with a manifest or as a
+//! tar archive. Streamed: at most one picture is held at a time, and one bad picture never loses the rest.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path as FilePath;
+
+use axum::Json;
+use axum::extract::{Request, State};
+use futures_util::{StreamExt, TryStreamExt};
+use serde::{Deserialize, Serialize};
+use tokio::io::{AsyncRead, AsyncReadExt};
+use tokio_tar::{Archive, Entry};
+use tokio_util::io::StreamReader;
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+use super::databases::DatabasePath;
+use super::exemplars::pose;
+use super::extract::{Path, essence, from_json};
+use super::problem::{Code, Problem};
+use super::uploads::{Form, Picture, RobotHeader};
+use super::{Service, body};
+use crate::database::{FrameHeader, Name};
+
+/// One line of a batch's manifest.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManifestLine {
+    /// Name of the file part.
+    pub file: String,
+    /// The place or object.
+    #[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub label: String,
+    /// Turntable pose, in degrees.
+    pub pose_deg: Option<f64>,
+}
+
+/// A form with a manifest and one file part for each of its files.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct BatchForm {
+    /// JSON: which file shows what. Best sent first: what comes before it must be held.
+    manifest: Vec<ManifestLine>,
+}
+
+/// What became of a batch.
+#[derive(Debug, Default, Serialize, ToSchema)]
+pub struct BatchBody {
+    pub created: u64,
+    pub duplicates: u64,
+    pub rejected: u64,
+    /// One for each file, in the order they came.
+    pub items: Vec<BatchItem>,
+}
+
+/// What became of one file.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct BatchItem {
+    pub file: String,
+    pub status: ItemStatus,
+    /// The exemplar that it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub id: Option<Uuid>,
+    /// Why it was rejected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub problem: Option<Problem>,
+}
+
+/// Whether a file became an exemplar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ItemStatus {
+    Created,
+    Duplicate,
+    Rejected,
+}
+
+impl BatchBody {
+    /// Note what became of a file. A problem of ours (a store is away, too much load) ends the batch: the files
+    /// before it are kept, and sending the batch again does no harm.
+    fn note(&mut self, file: String, outcome: Result<(Uuid, bool), Problem>) -> Result<(), Problem> {
+        let (status, id, problem) = match outcome {
+            Ok((id, true)) => (ItemStatus::Created, Some(id), None),
+            Ok((id, false)) => (ItemStatus::Duplicate, Some(id), None),
+            Err(problem) if problem.status >= 500 => return Err(problem),
+            Err(problem) => (ItemStatus::Rejected, None, Some(problem)),
+        };
+        match status {
+            ItemStatus::Created => self.created += 1,
+            ItemStatus::Duplicate => self.duplicates += 1,
+            ItemStatus::Rejected => self.rejected += 1,
+        }
+        self.items.push(BatchItem { file, status, id, problem });
+        Ok(())
+    }
+}
+
+/// Add many training images: a form with a part `manifest` and then one part named as each file, or a tar archive of
+/// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose).
+#[utoipa::path(
+    post, path = "/v1/databases/{database}/exemplars:batch", tag = "databases", params(DatabasePath),
+    request_body(content((BatchForm = "multipart/form-data"), (Vec<u8> = "application/x-tar"))),
+    responses((status = 200, body = BatchBody))
+)]
+pub async fn post(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    RobotHeader(header): RobotHeader,
+    request: Request,
+) -> Result<Json<BatchBody>, Problem> {
+    service.databases.get(&path.database).await?;
+    let batch = Batch { service: &service, database: &path.database, header };
+    match essence(request.headers()).as_deref() {
+        Some("multipart/form-data") => batch.form(request).await.map(Json),
+        Some("application/x-tar" | "application/tar") => batch.tar(request).await.map(Json),
+        other => Err(Problem::new(
+            Code::UnsupportedMediaType,
+            format!(
+                "a batch is multipart/form-data or application/x-tar, not {}: send -H 'Content-Type: application/x-tar' \
+                 with a tar of <label>/<picture>",
+                other.unwrap_or("undeclared")
+            ),
+        )),
+    }
+}
+
+struct Batch<'a> {
+    service: &'a Service,
+    database: &'a Name,
+    header: FrameHeader,
+}
+
+impl Batch<'_> {
+    async fn keep(&self, label: &str, pose_deg: Option<f64>, bytes: bytes::Bytes) -> Result<(Uuid, bool), Problem> {
+        let label = Name::parse(label)
+            .map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
+        pose(pose_deg)?;
+        let picture = Picture::of(bytes, &self.service.decode)?;
+        let kept = self.service.keep_exemplar(self.database, label, pose_deg, picture, self.header.clone());
+        let (row, created) = kept.await?;
+        Ok((row.id, created))
+    }
+
+    async fn form(&self, request: Request) -> Result<BatchBody, Problem> {
+        let limits = &self.service.limits;
+        let mut form = Form::of(request, self.service, limits.max_batch_bytes).await?;
+        // Files that come before the manifest wait for it, as many as one body may be large.
+        let mut early = Vec::new();
+        let mut early_bytes = 0;
+        let manifest = loop {
+            let Some((name, field)) = form.next().await? else {
+                return Err(Problem::field("/manifest", "the form has no part called manifest"));
+            };
+            let read = self.service.read_part(field, limits.max_body_bytes).await?;
+            if name == "manifest" {
+                break read?;
+            }
+            early_bytes += read.as_ref().map_or(0, |bytes| bytes.len() as u64);
+            if early_bytes > limits.max_body_bytes {
+                return Err(Problem::new(
+                    Code::BodyTooLarge,
+                    "too much comes before the part called manifest: send that first",
+                ));
+            }
+            early.push((name, read));
+        };
+        let manifest: Vec<ManifestLine> = from_json(&manifest)?;
+        let mut lines: HashMap<&str, Vec<&ManifestLine>> = HashMap::new();
+        for line in &manifest {
+            lines.entry(&line.file).or_default().push(line);
+        }
+        let mut answer = BatchBody::default();
+        let mut seen = HashSet::new();
+        for (name, read) in early {
+            self.file(&name, &read, &lines, &mut answer).await?;
+            seen.insert(name);
+        }
+        while let Some((name, field)) = form.next().await? {
+            let read = self.service.read_part(field, limits.max_body_bytes).await?;
+            self.file(&name, &read, &lines, &mut answer).await?;
+            seen.insert(name);
+        }
+        for line in manifest.iter().filter(|line| !seen.contains(&line.file)) {
+            let problem = Problem::field("/manifest", format!("the form has no part named {:?}", line.file));
+            answer.note(line.file.clone(), Err(problem))?;
+        }
+        Ok(answer)
+    }
+
+    /// Keep one file part under every line of the manifest that names it.
+    async fn file(
+        &self,
+        name: &str,
+        read: &Result<bytes::Bytes, Problem>,
+        lines: &HashMap<&str, Vec<&ManifestLine>>,
+        answer: &mut BatchBody,
+    ) -> Result<(), Problem> {
+        let Some(lines) = lines.get(name) else {
+            let problem = Problem::field("/manifest", format!("no line names the part {name:?}"));
+            return answer.note(name.into(), Err(problem));
+        };
+        for line in lines {
+            let outcome = match read.clone() {
+                Ok(bytes) => self.keep(&line.label, line.pose_deg, bytes).await,
+                Err(problem) => Err(problem),
+            };
+            answer.note(name.into(), outcome)?;
+        }
+        Ok(())
+    }
+
+    async fn tar(&self, request: Request) -> Result<BatchBody, Problem> {
+        let limits = &self.service.limits;
+        let (parts, body) = request.into_parts();
+        let body = body::limited(&parts.headers, body, limits.max_batch_bytes)?;
+        let reader = StreamReader::new(body.into_data_stream().map_err(std::io::Error::other));
+        let broken = |error: std::io::Error| broken_archive(&error, limits.max_batch_bytes);
+        let mut archive = Archive::new(reader);
+        let mut entries = archive.entries().map_err(broken)?;
+        let mut answer = BatchBody::default();
+        loop {
+            let next = tokio::time::timeout(limits.body_timeout, entries.next()).await;
+            let Some(entry) = next.map_err(|_| body::too_slow(limits))? else { return Ok(answer) };
+            let mut entry = entry.map_err(broken)?;
+            if !entry.header().entry_type().is_file() {
+                continue;
+            }
+            if answer.items.len() >= limits.max_batch_parts {
+                let most = limits.max_batch_parts;
+                return Err(Problem::new(
+                    Code::BodyTooLarge,
+                    format!("a batch has at most {most} files: send several; the first {most} are kept"),
+                ));
+            }
+            let path = entry.path().map_err(broken)?.into_owned();
+            let file = path.to_string_lossy().into_owned();
+            let Some((label, pose_deg)) = label_and_pose(&path) else {
+                let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
+                answer.note(file, Err(problem))?;
+                continue;
+            };
+            let read = tokio::time::timeout(limits.body_timeout, read_entry(&mut entry, limits.max_body_bytes));
+            let outcome = match read.await.map_err(|_| body::too_slow(limits))?.map_err(broken)? {
+                Some(bytes) => self.keep(&label, pose_deg, bytes).await,
+                None => Err(body::too_large(limits.max_body_bytes)),
+            };
+            answer.note(file, outcome)?;
+        }
+    }
+}
+
+/// The bytes of an entry; none when it is larger than a picture may be.
+async fn read_entry<R: AsyncRead + Unpin>(
+    entry: &mut Entry<R>,
+    max_bytes: u64,
+) -> std::io::Result<Option<bytes::Bytes>> {
+    if entry.header().size()? > max_bytes {
+        return Ok(None);
+    }
+    let mut bytes = Vec::new();
+    entry.take(max_bytes + 1).read_to_end(&mut bytes).await?;
+    Ok((bytes.len() as u64 <= max_bytes).then(|| bytes.into()))
+}
+
+fn broken_archive(error: &std::io::Error, max_bytes: u64) -> Problem {
+    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
+    while let Some(error) = cause {
+        if error.is::<http_body_util::LengthLimitError>() {
+            return body::too_large(max_bytes);
+        }
+        cause = error.source();
+    }
+    Problem::new(
+        Code::MalformedRequest,
+        format!("the archive can't be read: {error}; it must be an uncompressed tar. Files before the fault are kept"),
+    )
+}
+
+/// `<label>/<anything>.<ext>`, with the pose of a leaf name `…__<degrees>.<ext>`. Folders above the label don't count.
+fn label_and_pose(path: &FilePath) -> Option<(String, Option<f64>)> {
+    let label = path.parent()?.file_name()?.to_str()?.to_owned();
+    let stem = path.file_stem()?.to_str()?;
+    let pose = stem.rsplit_once("__").and_then(|(_, degrees)| degrees.parse().ok());
+    Some((label, pose.filter(|pose: &f64| pose.is_finite())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_in_an_archive_gives_label_and_pose() {
+        let read = |path: &str| label_and_pose(FilePath::new(path));
+        assert_eq!(read("cup/a__12.5.png"), Some(("cup".into(), Some(12.5))));
+        assert_eq!(read("./train/cup/obj1__0.png"), Some(("cup".into(), Some(0.0))));
+        assert_eq!(read("cup/front.jpg"), Some(("cup".into(), None)));
+        assert_eq!(read("cup/front__left.jpg"), Some(("cup".into(), None)));
+        assert_eq!(read("front.jpg"), None);
+        assert_eq!(read("cup/a__inf.png"), Some(("cup".into(), None)));
+    }
+}

@@ -1,0 +1,256 @@
+//! `/v1/databases/{database}/exemplars[/{id}[/image]]`: training images.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use uuid::Uuid;
+
+use super::Service;
+use super::databases::DatabasePath;
+use super::extract::{Path, Query};
+use super::pages::{self, Page};
+use super::problem::Problem;
+use super::uploads::{HeaderEcho, OnePicture, Picture, RobotHeader};
+use crate::compute::Lane;
+use crate::database::{ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
+use crate::imaging;
+
+/// The exemplar that a call is about.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct ExemplarPath {
+    /// Name of the database.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub database: Name,
+    /// Id of the exemplar.
+    pub id: Uuid,
+}
+
+/// What a training image shows.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct LabelQuery {
+    /// The place or object.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub label: Name,
+    /// Turntable pose, in degrees; kept in [0, 360).
+    pub pose_deg: Option<f64>,
+}
+
+/// Which exemplars are meant.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct ExemplarQuery {
+    /// Those of this label.
+    pub label: Option<String>,
+    /// Those that this robot sent.
+    pub robot_id: Option<String>,
+    /// Most items to give.
+    #[param(minimum = 1, maximum = 1000, default = 100)]
+    pub limit: Option<u32>,
+    /// `next_cursor` of the page before.
+    pub cursor: Option<String>,
+}
+
+/// Which exemplars are to go.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct DeleteQuery {
+    /// Those of this label.
+    pub label: Option<String>,
+    /// Those that this robot sent.
+    pub robot_id: Option<String>,
+}
+
+/// A training image.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ExemplarBody {
+    pub id: Uuid,
+    pub label: String,
+    pub pose_deg: Option<f64>,
+    pub width_px: u32,
+    pub height_px: u32,
+    /// Size of the picture as sent.
+    pub bytes: u64,
+    /// SHA-256 of the picture as sent.
+    pub sha256: String,
+    pub media_type: String,
+    pub created_at: Timestamp,
+    pub header: HeaderEcho,
+}
+
+impl From<ExemplarRow> for ExemplarBody {
+    fn from(row: ExemplarRow) -> Self {
+        Self {
+            id: row.id,
+            label: row.label,
+            pose_deg: row.pose_deg,
+            width_px: row.width_px,
+            height_px: row.height_px,
+            bytes: row.bytes,
+            sha256: row.sha256,
+            media_type: row.media_type,
+            created_at: row.created_at,
+            header: HeaderEcho { robot_id: row.robot_id, frame_id: row.frame_id, stamp: row.stamp },
+        }
+    }
+}
+
+/// A pose in [0, 360).
+pub fn pose(given: Option<f64>) -> Result<Option<f64>, Problem> {
+    match given {
+        Some(pose) if !pose.is_finite() || pose.abs() > 1e6 => {
+            Err(Problem::field("#pose_deg", format!("{pose} is no angle in degrees")))
+        }
+        // rem_euclid of a tiny negative angle rounds to 360 itself.
+        given => Ok(given.map(|pose| pose.rem_euclid(360.0)).map(|pose| if pose == 360.0 { 0.0 } else { pose })),
+    }
+}
+
+impl Service {
+    /// Decode a picture once, so that only pictures are kept, and keep it.
+    pub async fn keep_exemplar(
+        &self,
+        database: &Name,
+        label: Name,
+        pose_deg: Option<f64>,
+        picture: Picture,
+        header: FrameHeader,
+    ) -> Result<(ExemplarRow, bool), Problem> {
+        let (bytes, limits) = (picture.bytes.clone(), self.decode);
+        let decode = move || imaging::decode(&bytes, &limits).map(drop);
+        let (decoded, _) = self.compute.run(Lane::Recognition, picture.working_bytes, decode).await?;
+        decoded?;
+        let new = NewExemplar {
+            label,
+            pose_deg: pose(pose_deg)?,
+            bytes: picture.bytes,
+            media_type: picture.format.media_type(),
+            width_px: picture.width_px,
+            height_px: picture.height_px,
+            header,
+        };
+        Ok(self.databases.add_exemplar(database, new).await?)
+    }
+}
+
+/// Add a training image: the raw picture, or a form with a part `image`. The same again is the same exemplar.
+#[utoipa::path(
+    post, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, LabelQuery),
+    request_body(
+        description = "The picture, raw or as the part `image` of a form",
+        content(
+            (String = "image/jpeg", example = "binary"), (String = "image/png"),
+            (String = "image/x-portable-graymap"), (String = "image/x-portable-pixmap"),
+            (ImageForm = "multipart/form-data")
+        )
+    ),
+    responses(
+        (status = 201, body = ExemplarBody, description = "Kept"),
+        (status = 200, body = ExemplarBody, description = "It was there"),
+    )
+)]
+pub async fn post(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    Query(query): Query<LabelQuery>,
+    RobotHeader(header): RobotHeader,
+    OnePicture(picture): OnePicture,
+) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
+    service.databases.get(&path.database).await?;
+    pose(query.pose_deg)?;
+    let kept = service.keep_exemplar(&path.database, query.label, query.pose_deg, picture, header);
+    let (row, created) = kept.await?;
+    Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.into())))
+}
+
+/// A form with one picture.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct ImageForm {
+    /// The picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    image: String,
+}
+
+/// Training images by id.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, ExemplarQuery),
+    responses((status = 200, body = Page<ExemplarBody>))
+)]
+pub async fn list(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    Query(query): Query<ExemplarQuery>,
+) -> Result<Json<Page<ExemplarBody>>, Problem> {
+    let limit = pages::limit(query.limit)?;
+    let after = pages::after(query.cursor.as_deref())?;
+    service.databases.get(&path.database).await?;
+    let filter = ExemplarFilter { label: query.label, robot_id: query.robot_id };
+    let rows = service.databases.exemplars(&path.database, &filter, after, limit).await?;
+    Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), ExemplarBody::from)))
+}
+
+/// One training image.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    responses((status = 200, body = ExemplarBody))
+)]
+pub async fn get(
+    State(service): State<Service>,
+    Path(path): Path<ExemplarPath>,
+) -> Result<Json<ExemplarBody>, Problem> {
+    service.databases.get(&path.database).await?;
+    Ok(Json(service.databases.exemplar(&path.database, path.id).await?.into()))
+}
+
+/// The picture of a training image, byte for byte as it was sent.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/exemplars/{id}/image", tag = "databases", params(ExemplarPath),
+    responses((status = 200, description = "The picture", content(
+        (Vec<u8> = "image/jpeg"), (Vec<u8> = "image/png"), (Vec<u8> = "image/x-portable-anymap")
+    )))
+)]
+pub async fn image(State(service): State<Service>, Path(path): Path<ExemplarPath>) -> Result<Response, Problem> {
+    service.databases.get(&path.database).await?;
+    let row = service.databases.exemplar(&path.database, path.id).await?;
+    let bytes = service.databases.exemplar_bytes(&row).await?;
+    Ok(([(header::CONTENT_TYPE, row.media_type)], bytes).into_response())
+}
+
+/// Delete one training image. Versions trained with it stay as they are.
+#[utoipa::path(
+    delete, path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    responses((status = 204, description = "Gone"))
+)]
+pub async fn delete(
+    State(service): State<Service>,
+    Path(path): Path<ExemplarPath>,
+) -> Result<StatusCode, Problem> {
+    service.databases.get(&path.database).await?;
+    service.databases.delete_exemplar(&path.database, path.id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Delete the training images of a label, of a robot, or of both; with neither, nothing.
+#[utoipa::path(
+    delete, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, DeleteQuery),
+    responses((status = 204, description = "Gone"))
+)]
+pub async fn delete_matching(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    Query(query): Query<DeleteQuery>,
+) -> Result<StatusCode, Problem> {
+    service.databases.get(&path.database).await?;
+    let filter = ExemplarFilter { label: query.label, robot_id: query.robot_id };
+    service.databases.delete_exemplars(&path.database, &filter).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

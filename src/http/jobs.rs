@@ -1,0 +1,281 @@
+//! `POST …/trainings` and `/v1/jobs[/{id}[/events]]`: long work, watched and cancelled.
+
+use std::convert::Infallible;
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use futures_util::{Stream, StreamExt, stream};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use utoipa::{IntoParams, ToSchema};
+use uuid::Uuid;
+
+use super::Service;
+use super::databases::{DatabasePath, read_options};
+use super::extract::{Json as JsonIn, Path, Query};
+use super::options::{self, LandmarkOptionsBody};
+use super::pages::{self, Page};
+use super::problem::{Code, Problem};
+use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
+use crate::jobs::{Jobs, Promote, TrainingParams};
+
+/// Whether `current` moves to the new version.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PromoteWord {
+    #[default]
+    Always,
+    /// Not in this release.
+    IfNotWorse,
+    Never,
+}
+
+/// A training to do.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewTraining {
+    /// Put over the database's options for this training alone.
+    #[schema(value_type = Option<LandmarkOptionsBody>)]
+    pub options: Option<Map<String, Value>>,
+    /// Whether `current` moves to the new version.
+    #[serde(default)]
+    #[schema(default = "always")]
+    pub promote: PromoteWord,
+}
+
+/// A piece of long work.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct JobBody {
+    pub id: Uuid,
+    #[schema(example = "training")]
+    pub kind: String,
+    pub database: String,
+    pub state: StateWord,
+    pub progress: Option<ProgressBody>,
+    /// The version it made or found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<i64>,
+    /// Why it failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub problem: Option<Problem>,
+    /// Who does it, or did it last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worker: Option<String>,
+    /// How often it was begun.
+    pub attempts: u32,
+    pub created_at: Timestamp,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub started_at: Option<Timestamp>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub finished_at: Option<Timestamp>,
+}
+
+/// The life of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StateWord {
+    Queued,
+    Running,
+    Succeeded,
+    Failed,
+    Cancelled,
+}
+
+impl From<JobState> for StateWord {
+    fn from(state: JobState) -> Self {
+        match state {
+            JobState::Queued => Self::Queued,
+            JobState::Running => Self::Running,
+            JobState::Succeeded => Self::Succeeded,
+            JobState::Failed => Self::Failed,
+            JobState::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+impl From<StateWord> for JobState {
+    fn from(state: StateWord) -> Self {
+        match state {
+            StateWord::Queued => Self::Queued,
+            StateWord::Running => Self::Running,
+            StateWord::Succeeded => Self::Succeeded,
+            StateWord::Failed => Self::Failed,
+            StateWord::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+/// How far a job is.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ProgressBody {
+    #[schema(example = "describing")]
+    pub stage: String,
+    pub done: u64,
+    pub total: u64,
+}
+
+impl From<JobRow> for JobBody {
+    fn from(row: JobRow) -> Self {
+        Self {
+            id: row.id,
+            kind: row.kind,
+            database: row.database,
+            state: row.state.into(),
+            progress: row.progress.map(|progress| ProgressBody {
+                stage: progress.stage,
+                done: progress.done,
+                total: progress.total,
+            }),
+            version: row.version,
+            problem: row.problem.as_deref().map(Problem::of_job),
+            worker: row.owner,
+            attempts: row.attempts,
+            created_at: row.created_at,
+            started_at: row.started_at,
+            finished_at: row.finished_at,
+        }
+    }
+}
+
+/// The job that a call is about.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct JobPath {
+    /// Id of the job.
+    pub id: Uuid,
+}
+
+/// Which jobs are meant.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct JobQuery {
+    /// Those of this database.
+    pub database: Option<String>,
+    /// Those in this state.
+    #[param(inline)]
+    pub state: Option<StateWord>,
+    /// Most items to give.
+    #[param(minimum = 1, maximum = 1000, default = 100)]
+    pub limit: Option<u32>,
+    /// `next_cursor` of the page before.
+    pub cursor: Option<String>,
+}
+
+/// Train the database's exemplars into a version: answers at once with a job.
+#[utoipa::path(
+    post, path = "/v1/databases/{database}/trainings", tag = "databases", params(DatabasePath),
+    request_body = NewTraining,
+    responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
+)]
+pub async fn train(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    JsonIn(new): JsonIn<NewTraining>,
+) -> Result<Response, Problem> {
+    let promote = match new.promote {
+        PromoteWord::Always => Promote::Always,
+        PromoteWord::Never => Promote::Never,
+        PromoteWord::IfNotWorse => {
+            return Err(Problem::new(
+                Code::NotYet,
+                "promote if_not_worse is not in this release: use never, look at the version's report, and point \
+                 the alias current to it yourself",
+            ));
+        }
+    };
+    let base = read_options(&service.databases.get(&path.database).await?)?;
+    let options = options::over(base, &new.options.unwrap_or_default())?;
+    let job = service.jobs.train(&path.database, &TrainingParams { options, promote }).await?;
+    let location = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id));
+    let location = location.map_err(|_| Problem::new(Code::Internal, "the job has no address"))?;
+    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(JobBody::from(job))).into_response())
+}
+
+/// Jobs, the newest first.
+#[utoipa::path(
+    get, path = "/v1/jobs", tag = "jobs", params(JobQuery), responses((status = 200, body = Page<JobBody>))
+)]
+pub async fn list(
+    State(service): State<Service>,
+    Query(query): Query<JobQuery>,
+) -> Result<Json<Page<JobBody>>, Problem> {
+    let limit = pages::limit(query.limit)?;
+    let after = pages::after(query.cursor.as_deref())?;
+    let filter = JobFilter { database: query.database, state: query.state.map(JobState::from) };
+    let rows = service.jobs.list(&filter, after, limit).await?;
+    Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), JobBody::from)))
+}
+
+/// One job.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}", tag = "jobs", params(JobPath), responses((status = 200, body = JobBody))
+)]
+pub async fn get(State(service): State<Service>, Path(path): Path<JobPath>) -> Result<Json<JobBody>, Problem> {
+    Ok(Json(service.jobs.get(path.id).await?.into()))
+}
+
+/// Cancel a job: a waiting one at once, a running one at its next step.
+#[utoipa::path(
+    delete, path = "/v1/jobs/{id}", tag = "jobs", params(JobPath),
+    responses((status = 202, body = JobBody, description = "It will end"))
+)]
+pub async fn cancel(
+    State(service): State<Service>,
+    Path(path): Path<JobPath>,
+) -> Result<(StatusCode, Json<JobBody>), Problem> {
+    Ok((StatusCode::ACCEPTED, Json(service.jobs.cancel(path.id).await?.into())))
+}
+
+/// A job's life as server-sent events: each the job's body, from its first state on. `id` counts up, `Last-Event-ID`
+/// resumes after it, and the stream ends after the last state.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/events", tag = "jobs",
+    params(JobPath, ("Last-Event-ID" = Option<i64>, Header, description = "Number of the last event seen")),
+    responses((status = 200, body = JobBody, content_type = "text/event-stream"))
+)]
+pub async fn events(
+    State(service): State<Service>,
+    Path(path): Path<JobPath>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let after = match headers.get("last-event-id") {
+        None => 0,
+        Some(value) => value
+            .to_str()
+            .ok()
+            .and_then(|text| text.trim().parse().ok())
+            .ok_or_else(|| Problem::field("#Last-Event-ID", "must be the number of an event of this job"))?,
+    };
+    service.jobs.get(path.id).await?;
+    let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
+    Ok(Sse::new(follow(service.jobs, path.id, after)).keep_alive(keep_alive).into_response())
+}
+
+/// The events of a job after number `after`, up to its last.
+fn follow(jobs: Jobs, id: Uuid, after: i64) -> impl Stream<Item = Result<Event, Infallible>> {
+    let rows = stream::unfold(Some(after), move |after| {
+        let jobs = jobs.clone();
+        async move {
+            // With the catalogue away the stream ends; the client resumes with Last-Event-ID.
+            let rows = jobs.events_after(id, after?).await.ok()?;
+            let next = match rows.last() {
+                Some(last) if !last.body.state.is_terminal() => Some(last.sequence),
+                _ => None,
+            };
+            Some((stream::iter(rows), next))
+        }
+    });
+    rows.flatten().map(|row| Ok(event(row)))
+}
+
+fn event(row: JobEventRow) -> Event {
+    let sequence = row.sequence.to_string();
+    let body = serde_json::to_string(&JobBody::from(row.body)).expect("text and numbers always serialise");
+    Event::default().id(sequence).data(body)
+}

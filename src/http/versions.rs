@@ -1,0 +1,205 @@
+//! `/v1/databases/{database}/versions[/{version}[/artifact]]`: what trainings made. A version never changes.
+
+use axum::Json;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::databases::DatabasePath;
+use super::extract::{Path, Query};
+use super::options::{ColourWord, LandmarkOptionsBody};
+use super::pages::{self, Page, PageQuery};
+use super::problem::{Code, Problem};
+use super::{Service, body};
+use crate::database::{Name, VersionRow, options as kept};
+
+/// The version that a call is about.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct VersionPath {
+    /// Name of the database.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub database: Name,
+    /// Number of the version.
+    #[param(minimum = 1)]
+    pub version: i64,
+}
+
+/// A trained version.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct VersionBody {
+    pub version: i64,
+    /// Digest of the inputs: the same exemplars, options and algorithm give the same digest.
+    pub digest: String,
+    pub created_at: Timestamp,
+    /// Algorithm revision that trained it.
+    pub revision: i64,
+    /// Size of the artifact file.
+    pub artifact_bytes: u64,
+    /// What it was trained with; the colour as it came out.
+    pub options: LandmarkOptionsBody,
+    pub counts: CountsBody,
+    pub report: ReportBody,
+}
+
+/// What a version was trained from.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct CountsBody {
+    pub exemplars: u64,
+    pub labels: u64,
+    pub interest_points: u64,
+}
+
+/// What a training told of itself.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct ReportBody {
+    /// Variance along each direction of the signatures' space, descending, all of them.
+    pub spectrum: Vec<f64>,
+    /// Part of the variance that the kept dimensions hold.
+    pub energy_kept: f64,
+    /// Dimensions kept.
+    pub dimension: u64,
+    /// Components of a signature.
+    pub signature_length: u64,
+    /// The planes that signatures were taken from.
+    pub colour: ColourWord,
+    /// Exemplars in which nothing drew attention: they can't be recognised.
+    pub exemplars_without_points: Vec<String>,
+    /// Where it was trained here: how long that took.
+    pub timings_ms: Option<TrainingTimings>,
+}
+
+/// How long the parts of a training took.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct TrainingTimings {
+    /// Reading and describing the exemplars.
+    pub describe: f64,
+    /// Eigenspace, index and artifact.
+    pub eigenspace: f64,
+}
+
+impl TryFrom<VersionRow> for VersionBody {
+    type Error = Problem;
+
+    fn try_from(row: VersionRow) -> Result<Self, Problem> {
+        let unreadable = |what: &str, error: &dyn std::error::Error| {
+            tracing::error!(row.database, row.version, error = crate::telemetry::chain(error), "unreadable {what}");
+            Problem::new(Code::Internal, format!("the {what} kept with version {} can't be read", row.version))
+        };
+        let options = kept::from_document(&row.options).map_err(|error| unreadable("options", &error))?;
+        Ok(Self {
+            version: row.version,
+            created_at: row.created_at,
+            revision: row.algorithm_revision,
+            artifact_bytes: row.bytes,
+            options: (&options).into(),
+            counts: serde_json::from_str(&row.counts).map_err(|error| unreadable("counts", &error))?,
+            report: serde_json::from_str(&row.report).map_err(|error| unreadable("report", &error))?,
+            digest: row.digest,
+        })
+    }
+}
+
+/// Versions by number.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath, PageQuery),
+    responses((status = 200, body = Page<VersionBody>))
+)]
+pub async fn list(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    Query(page): Query<PageQuery>,
+) -> Result<Json<Page<VersionBody>>, Problem> {
+    let limit = pages::limit(page.limit)?;
+    let after = pages::after(page.cursor.as_deref())?;
+    service.databases.get(&path.database).await?;
+    let rows = service.databases.versions(&path.database, after, limit).await?;
+    let page = Page::of(rows, limit, |row| row.version.to_string(), VersionBody::try_from);
+    let items = page.items.into_iter().collect::<Result<_, _>>()?;
+    Ok(Json(Page { items, next_cursor: page.next_cursor }))
+}
+
+/// One version with its report.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    responses((status = 200, body = VersionBody))
+)]
+pub async fn get(
+    State(service): State<Service>,
+    Path(path): Path<VersionPath>,
+) -> Result<Json<VersionBody>, Problem> {
+    service.databases.get(&path.database).await?;
+    Ok(Json(service.databases.version(&path.database, path.version).await?.try_into()?))
+}
+
+/// Delete a version that no alias points to.
+#[utoipa::path(
+    delete, path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    responses((status = 204, description = "Gone"))
+)]
+pub async fn delete(
+    State(service): State<Service>,
+    Path(path): Path<VersionPath>,
+) -> Result<StatusCode, Problem> {
+    service.databases.get(&path.database).await?;
+    service.databases.delete_version(&path.database, path.version).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// The version as one file (safetensors): a backup, or another site's database.
+#[utoipa::path(
+    get, path = "/v1/databases/{database}/versions/{version}/artifact", tag = "databases", params(VersionPath),
+    responses(
+        (status = 200, description = "The artifact file", body = Vec<u8>, content_type = "application/octet-stream",
+         headers(("ETag" = String))),
+        (status = 304, description = "You have it"),
+    )
+)]
+pub async fn artifact(
+    State(service): State<Service>,
+    Path(path): Path<VersionPath>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    service.databases.get(&path.database).await?;
+    let row = service.databases.version(&path.database, path.version).await?;
+    let etag = format!("\"{}\"", row.blob);
+    let have = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
+    let have = have.is_some_and(|list| {
+        list.split(',').map(str::trim).any(|have| have == "*" || have.trim_start_matches("W/") == etag)
+    });
+    let etag = HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
+    if have {
+        return Ok((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response());
+    }
+    let bytes = service.databases.artifact(&row).await?;
+    let name = format!("attachment; filename=\"{}-{}.safetensors\"", row.database, row.version);
+    let name = HeaderValue::from_str(&name).unwrap_or(HeaderValue::from_static("attachment"));
+    let kind = HeaderValue::from_static("application/octet-stream");
+    let headers = [(header::ETAG, etag), (header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)];
+    Ok((headers, bytes).into_response())
+}
+
+/// Take in an artifact file: checked whole, then a new version. The same digest again is the same version.
+#[utoipa::path(
+    post, path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses(
+        (status = 201, body = VersionBody, description = "Taken in"),
+        (status = 200, body = VersionBody, description = "It was there"),
+    )
+)]
+pub async fn import(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    request: Request,
+) -> Result<(StatusCode, Json<VersionBody>), Problem> {
+    let (parts, body) = request.into_parts();
+    service.databases.get(&path.database).await?;
+    let bytes =
+        body::read_whole(&parts.headers, body, service.limits.max_artifact_bytes, &service.limits).await?;
+    let (row, created) = service.databases.import(&path.database, bytes, &service.compute).await?;
+    Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.try_into()?)))
+}

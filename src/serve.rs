@@ -1,0 +1,182 @@
+//! The running service: opens the stores, loads what the aliases name, listens, and shuts down in order.
+
+use std::future::Future;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use axum_server::Handle;
+use hyper_util::rt::TokioTimer;
+use jiff::Timestamp;
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+use uuid::Uuid;
+
+use crate::compute::{Compute, ComputeError};
+use crate::config::Settings;
+use crate::database::Databases;
+use crate::http::{self, Service};
+use crate::imaging::DecodeLimits;
+use crate::jobs::{Jobs, Runner};
+use crate::store::{CatalogueError, Folder, OpenFolderError, open_folder};
+use crate::telemetry::{Metrics, chain};
+
+/// How often the catalogue is asked what the aliases name: a change made elsewhere is served this much later.
+const REFRESH_EVERY: Duration = Duration::from_secs(2);
+/// How long requests in flight may take to end at shutdown.
+const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(20);
+
+/// Why the service doesn't start.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    #[error("can't open the data folder")]
+    Folder {
+        #[from]
+        source: OpenFolderError,
+    },
+    #[error("can't start the computing threads")]
+    Compute {
+        #[from]
+        source: ComputeError,
+    },
+    #[error("can't take over the jobs of the run before")]
+    Catalogue {
+        #[from]
+        source: CatalogueError,
+    },
+    #[error("can't listen on {bind}: is another service there? Give another address with --bind")]
+    Bind { bind: SocketAddr, source: io::Error },
+    #[error("the server stopped")]
+    Server { source: io::Error },
+}
+
+/// The service's parts, wired; not yet listening.
+pub struct Parts {
+    pub service: Service,
+    runner: Runner,
+}
+
+/// Open the stores in the data folder and wire the service over them.
+///
+/// # Errors
+/// A folder in use or unwritable, or no threads.
+pub async fn wire(settings: &Settings) -> Result<Parts, ServeError> {
+    let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
+    let limits = settings.limits.clone();
+    let compute = Compute::new(settings.threads, limits.waiting_per_thread, limits.max_decode_bytes_total)?;
+    let worker: Arc<str> = format!("worker-{}", Uuid::now_v7()).into();
+    // The folder's lock is ours, so whoever held a job before is dead.
+    let released = catalogue.release_dead_leases(&worker).await?;
+    if released > 0 {
+        tracing::info!(released, "jobs that a dead process left are taken up again");
+    }
+    let decode = DecodeLimits {
+        max_side_px: limits.max_side_px,
+        max_pixels: limits.max_pixels,
+        max_alloc_bytes: limits.max_decode_bytes,
+    };
+    let metrics = Arc::new(Metrics::new());
+    let databases =
+        Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), settings.memory_limit_bytes);
+    let jobs = Jobs::new(catalogue);
+    let runner = Runner::new(
+        jobs.clone(),
+        databases.clone(),
+        compute.clone(),
+        decode,
+        Arc::clone(&metrics),
+        worker.to_string(),
+    );
+    let service = Service {
+        databases,
+        jobs,
+        compute,
+        metrics,
+        limits,
+        decode,
+        started_at: Timestamp::now(),
+        worker,
+        ready: Arc::new(AtomicBool::new(false)),
+    };
+    Ok(Parts { service, runner })
+}
+
+impl Parts {
+    /// Start what runs in the background: the refresh of the registry, then the runner. They end when `shutdown`
+    /// turns true.
+    pub fn start(self, shutdown: watch::Receiver<bool>) -> (Service, JoinHandle<()>) {
+        let service = self.service.clone();
+        let background = tokio::spawn(async move {
+            let runner = tokio::spawn(self.runner.run(shutdown.clone()));
+            refresh(self.service, shutdown).await;
+            if let Err(error) = runner.await {
+                tracing::error!(%error, "the job runner died");
+            }
+        });
+        (service, background)
+    }
+}
+
+/// Keep the registry as the catalogue says, until shutdown.
+async fn refresh(service: Service, mut shutdown: watch::Receiver<bool>) {
+    loop {
+        match service.databases.registry().refresh().await {
+            Ok(()) => service.ready.store(true, Ordering::Relaxed),
+            Err(error) => tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on"),
+        }
+        tokio::select! {
+            () = tokio::time::sleep(REFRESH_EVERY) => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+    }
+}
+
+/// Serve until `stop` resolves, then finish what runs and hand back the jobs. `listening` is told the address.
+///
+/// # Errors
+/// [`ServeError`]: why the service can't start, or stopped.
+pub async fn serve(
+    settings: &Settings,
+    listening: impl FnOnce(SocketAddr),
+    stop: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
+    let parts = wire(settings).await?;
+    let (announce, shutdown) = watch::channel(false);
+    let bind = settings.bind;
+    let listener = std::net::TcpListener::bind(bind).map_err(|source| ServeError::Bind { bind, source })?;
+    listener.set_nonblocking(true).map_err(|source| ServeError::Bind { bind, source })?;
+    let (service, background) = parts.start(shutdown);
+
+    let handle = Handle::new();
+    let mut server = axum_server::from_tcp(listener)
+        .map_err(|source| ServeError::Bind { bind, source })?
+        .handle(handle.clone());
+    server
+        .http_builder()
+        .http1()
+        .timer(TokioTimer::new())
+        .header_read_timeout(service.limits.header_timeout)
+        .max_buf_size(64 << 10)
+        .http2()
+        .timer(TokioTimer::new());
+    let ready = Arc::clone(&service.ready);
+    let served = server.serve(http::router(service).into_make_service());
+    let stopping = async {
+        if let Some(address) = handle.listening().await {
+            listening(address);
+        }
+        stop.await;
+        tracing::info!("shutting down");
+        ready.store(false, Ordering::Relaxed);
+        // Watched by the runner and by streams of events.
+        announce.send_replace(true);
+        handle.graceful_shutdown(Some(SHUTDOWN_PATIENCE));
+    };
+    let (served, ()) = tokio::join!(served, stopping);
+    if let Err(error) = background.await {
+        tracing::error!(%error, "the background work died");
+    }
+    served.map_err(|source| ServeError::Server { source })
+}
