@@ -67,7 +67,7 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
+    pub(super) fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
         let path = data_dir.join("lock");
         let file =
             File::create(&path).map_err(|source| OpenFolderError::Lock { path: path.clone(), source })?;
