@@ -314,7 +314,11 @@ mod tests {
         }
 
         async fn collect(&self, older_than: Duration) -> u64 {
-            self.blobs().collect_orphans(older_than, &*self.folder.catalogue).await.unwrap()
+            let (blobs, catalogue) = (self.blobs().clone(), self.folder.catalogue.clone());
+            // A task of its own, as the service runs it.
+            tokio::spawn(async move { blobs.collect_orphans(older_than, &*catalogue).await.unwrap() })
+                .await
+                .unwrap()
         }
 
         async fn refer_to(&self, blob: BlobName) {
