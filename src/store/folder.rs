@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(folder.catalogue.version("lab", 1).await.unwrap(), Some(version));
         assert_eq!(folder.catalogue.aliases("lab").await.unwrap(), [alias]);
         assert_eq!(folder.catalogue.job(job.id).await.unwrap(), Some(job));
-        assert_eq!(folder.blobs.get(blob, 8).await.unwrap(), "artifact");
+        assert_eq!(folder.blobs.get(&blob, 8).await.unwrap(), "artifact");
     }
 
     #[tokio::test]
