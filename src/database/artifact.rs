@@ -29,7 +29,6 @@ const FORMAT: u32 = 1;
 const METADATA_KEY: &str = "landmarkd";
 
 /// A version as its file tells it.
-#[derive(Debug)]
 pub struct Artifact {
     /// Digest of the inputs, hex.
     pub digest: String,

@@ -2,7 +2,7 @@
 
 use crate::compute::ComputeError;
 use crate::database::artifact::ArtifactError;
-use crate::store::{BlobError, CatalogueError, InvalidBlobName};
+use crate::store::{BlobError, CatalogueError};
 
 /// Why a call on a database failed. The HTTP rim gives each its code and status.
 #[derive(Debug, thiserror::Error)]
@@ -56,13 +56,5 @@ impl From<CatalogueError> for DatabaseError {
             CatalogueError::EmptyFilter => Self::EmptyFilter,
             source => Self::Catalogue { source },
         }
-    }
-}
-
-/// A row that names no blob wasn't written by this program.
-impl From<InvalidBlobName> for DatabaseError {
-    fn from(error: InvalidBlobName) -> Self {
-        let what = error.to_string();
-        Self::Catalogue { source: CatalogueError::Corrupt { what, source: Some(Box::new(error)) } }
     }
 }

@@ -102,7 +102,7 @@ impl Databases {
 
     /// The bytes of an exemplar, as they were sent.
     pub async fn exemplar_bytes(&self, row: &ExemplarRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(row.blob.parse()?, row.bytes).await?)
+        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
     }
 
     /// Exemplars by id, after `after`.

@@ -15,17 +15,15 @@ use super::artifact;
 use super::{CURRENT, DatabaseError, Databases, Kind, Name};
 use crate::compute::{Compute, Lane};
 use crate::recognition::landmarks::Landmarks;
-use crate::store::{AliasTarget, Blobs, Catalogue, InvalidBlobName};
+use crate::store::{AliasTarget, Blobs, BlobError, Catalogue};
 use crate::telemetry::chain;
 
 /// What a version recognises with.
-#[derive(Debug)]
 pub enum Model {
     Landmarks(Landmarks),
 }
 
 /// A version in memory.
-#[derive(Debug)]
 pub struct LoadedVersion {
     pub database: String,
     pub version: i64,
@@ -57,13 +55,13 @@ struct Failure {
 /// How long a version that didn't load is left alone before it is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(10);
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Snapshot {
     /// By database, then alias.
     databases: HashMap<String, BTreeMap<String, Served>>,
 }
 
-#[derive(Debug, Clone, Default)]
+#[derive(Clone, Default)]
 struct Served {
     version: Option<Arc<LoadedVersion>>,
     failure: Option<Failure>,
@@ -195,8 +193,8 @@ impl Registry {
         digest: &str,
         blob: &str,
     ) -> Result<Arc<LoadedVersion>, String> {
-        let name = blob.parse().map_err(|error: InvalidBlobName| error.to_string())?;
-        let bytes = self.blobs.get(name, u64::MAX).await.map_err(|error| chain(&error))?;
+        let name = blob.parse().map_err(|error: BlobError| chain(&error))?;
+        let bytes = self.blobs.get(&name, u64::MAX).await.map_err(|error| chain(&error))?;
         let read = self.compute.run(Lane::Training, 0, move || {
             let artifact = artifact::read(&bytes)?;
             Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))

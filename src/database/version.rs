@@ -80,7 +80,7 @@ impl Databases {
 
     /// The artifact file of a version.
     pub async fn artifact(&self, row: &VersionRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(row.blob.parse()?, row.bytes).await?)
+        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
     }
 
     /// Take in an artifact file: checked whole, then a new version; `true` when it is new. No alias moves.

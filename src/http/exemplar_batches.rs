@@ -254,7 +254,7 @@ async fn read_entry<R: AsyncRead + Unpin>(
     entry: &mut Entry<R>,
     max_bytes: u64,
 ) -> std::io::Result<Option<bytes::Bytes>> {
-    if entry.header().size()? > max_bytes {
+    if entry.effective_size() > max_bytes {
         return Ok(None);
     }
     let mut bytes = Vec::new();

@@ -70,7 +70,8 @@ codes! {
     DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
     CatalogueUnavailable "catalogue_unavailable" SERVICE_UNAVAILABLE "The catalogue is away",
     BlobsUnavailable "blobs_unavailable" SERVICE_UNAVAILABLE "The blob store is away",
-    WorkerLost "worker_lost" INTERNAL_SERVER_ERROR "The job's workers died, time after time",
+    AttemptsExhausted "attempts_exhausted" INTERNAL_SERVER_ERROR "The job's workers died, time after time",
+    DatabaseDeleted "database_deleted" CONFLICT "The database was deleted meanwhile",
     Internal "internal" INTERNAL_SERVER_ERROR "Something is wrong in the service",
 }
 

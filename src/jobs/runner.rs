@@ -12,7 +12,7 @@ use super::{Jobs, training};
 use crate::compute::Compute;
 use crate::database::{Databases, JobRow, Progress};
 use crate::imaging::DecodeLimits;
-use crate::store::{Catalogue, CatalogueError};
+use crate::store::CatalogueError;
 use crate::telemetry::Metrics;
 
 /// How long a silent worker keeps its job: three missed renewals.

@@ -40,7 +40,7 @@ impl BlobName {
         &self.0
     }
 
-    fn path(self) -> Path {
+    fn path(&self) -> Path {
         let digits = self.to_string();
         Path::from_iter([&digits[..2], digits.as_str()])
     }
@@ -64,18 +64,11 @@ impl fmt::Debug for BlobName {
     }
 }
 
-/// The text is no blob name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{text:?} is no blob name: 64 lower-case hexadecimal digits are")]
-pub struct InvalidBlobName {
-    pub text: String,
-}
-
 impl FromStr for BlobName {
-    type Err = InvalidBlobName;
+    type Err = BlobError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let invalid = || InvalidBlobName { text: text.to_owned() };
+        let invalid = || BlobError::InvalidName { text: text.to_owned() };
         let mut name = [0; 32];
         let (pairs, []) = text.as_bytes().as_chunks::<2>() else { return Err(invalid()) };
         if pairs.len() != name.len() {
@@ -105,6 +98,9 @@ pub enum BlobError {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// The text is no blob name.
+    #[error("{text:?} is no blob name: 64 lower-case hexadecimal digits are")]
+    InvalidName { text: String },
     /// There is no such blob.
     #[error("blob {name} does not exist")]
     NotFound { name: BlobName },
@@ -182,29 +178,29 @@ impl Blobs {
     }
 
     /// Reads a blob and proves its content. Errors: `NotFound`, `TooLarge`, `Corrupt`.
-    pub async fn get(&self, name: BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
+    pub async fn get(&self, name: &BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
         let found = match self.store.get(&name.path()).await {
-            Err(object_store::Error::NotFound { .. }) => return Err(BlobError::NotFound { name }),
+            Err(object_store::Error::NotFound { .. }) => return Err(BlobError::NotFound { name: *name }),
             other => other?,
         };
         let bytes = found.meta.size;
         if bytes > max_bytes {
-            return Err(BlobError::TooLarge { name, bytes, max_bytes });
+            return Err(BlobError::TooLarge { name: *name, bytes, max_bytes });
         }
         let content = found.bytes().await?;
         let found = name_of(content.clone()).await?;
-        if found == name { Ok(content) } else { Err(BlobError::Corrupt { name, found }) }
+        if found == *name { Ok(content) } else { Err(BlobError::Corrupt { name: *name, found }) }
     }
 
     /// True when the blob is there; its content isn't read.
-    pub async fn exists(&self, name: BlobName) -> Result<bool, BlobError> {
+    pub async fn exists(&self, name: &BlobName) -> Result<bool, BlobError> {
         Ok(self.metadata(name).await?.is_some())
     }
 
     /// Deletes a blob; false when there was none.
     ///
     /// The caller knows that no row names it; `Blobs::collect_orphans` is the way that finds out.
-    pub async fn delete(&self, name: BlobName) -> Result<bool, BlobError> {
+    pub async fn delete(&self, name: &BlobName) -> Result<bool, BlobError> {
         match self.store.delete(&name.path()).await {
             Ok(()) => Ok(true),
             Err(object_store::Error::NotFound { .. }) => Ok(false),
@@ -227,8 +223,8 @@ impl Blobs {
         while let Some(object) = objects.try_next().await? {
             let Some(name) = BlobName::at(&object.location) else { continue };
             if is_older(&object, older_than)
-                && !is_referenced(name, catalogue).await?
-                && self.delete_if_older(name, older_than).await?
+                && !is_referenced(&name, catalogue).await?
+                && self.delete_if_older(&name, older_than).await?
             {
                 removed += 1;
             }
@@ -237,7 +233,7 @@ impl Blobs {
     }
 
     /// Looks at the age once more with everybody who puts kept out: a blob put again in the meantime stays.
-    async fn delete_if_older(&self, name: BlobName, older_than: Duration) -> Result<bool, BlobError> {
+    async fn delete_if_older(&self, name: &BlobName, older_than: Duration) -> Result<bool, BlobError> {
         let _collecting = self.collection.write().await;
         match self.metadata(name).await? {
             Some(metadata) if is_older(&metadata, older_than) => self.delete(name).await,
@@ -245,7 +241,7 @@ impl Blobs {
         }
     }
 
-    async fn metadata(&self, name: BlobName) -> Result<Option<ObjectMeta>, BlobError> {
+    async fn metadata(&self, name: &BlobName) -> Result<Option<ObjectMeta>, BlobError> {
         match self.store.head(&name.path()).await {
             Ok(metadata) => Ok(Some(metadata)),
             Err(object_store::Error::NotFound { .. }) => Ok(None),
@@ -254,7 +250,7 @@ impl Blobs {
     }
 }
 
-async fn is_referenced(name: BlobName, catalogue: &dyn Catalogue) -> Result<bool, BlobError> {
+async fn is_referenced(name: &BlobName, catalogue: &dyn Catalogue) -> Result<bool, BlobError> {
     catalogue.is_blob_referenced(&name.to_string()).await.map_err(|source| BlobError::Catalogue { source })
 }
 
@@ -319,7 +315,11 @@ mod tests {
         }
 
         async fn collect(&self, older_than: Duration) -> u64 {
-            self.blobs().collect_orphans(older_than, &*self.folder.catalogue).await.unwrap()
+            let (blobs, catalogue) = (self.blobs().clone(), self.folder.catalogue.clone());
+            // A task of its own, as the service runs it.
+            tokio::spawn(async move { blobs.collect_orphans(older_than, &*catalogue).await.unwrap() })
+                .await
+                .unwrap()
         }
 
         async fn refer_to(&self, blob: BlobName) {
@@ -354,13 +354,13 @@ mod tests {
             let name = fixture.blobs().put(content.clone()).await.unwrap();
             assert_eq!(name, BlobName::of(&content));
             assert!(fixture.file(name).is_file());
-            assert!(fixture.blobs().exists(name).await.unwrap());
-            assert_eq!(fixture.blobs().get(name, content.len() as u64).await.unwrap(), content);
+            assert!(fixture.blobs().exists(&name).await.unwrap());
+            assert_eq!(fixture.blobs().get(&name, content.len() as u64).await.unwrap(), content);
             assert_eq!(fixture.blobs().put(content).await.unwrap(), name);
-            assert!(fixture.blobs().delete(name).await.unwrap());
-            assert!(!fixture.blobs().delete(name).await.unwrap());
-            assert!(!fixture.blobs().exists(name).await.unwrap());
-            let gone = fixture.blobs().get(name, 1).await.unwrap_err();
+            assert!(fixture.blobs().delete(&name).await.unwrap());
+            assert!(!fixture.blobs().delete(&name).await.unwrap());
+            assert!(!fixture.blobs().exists(&name).await.unwrap());
+            let gone = fixture.blobs().get(&name, 1).await.unwrap_err();
             assert!(matches!(gone, BlobError::NotFound { .. }), "{gone:?}");
         }
     }
@@ -376,7 +376,7 @@ mod tests {
         let names: Vec<_> =
             futures_util::future::join_all(puts).await.into_iter().map(Result::unwrap).collect();
         assert!(names.iter().all(|name| *name == BlobName::of(&content)));
-        assert_eq!(fixture.blobs().get(names[0], 100_000).await.unwrap(), content);
+        assert_eq!(fixture.blobs().get(&names[0], 100_000).await.unwrap(), content);
         let folder = fixture.file(names[0]).parent().unwrap().to_owned();
         assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1);
     }
@@ -387,7 +387,7 @@ mod tests {
         let name = fixture.blobs().put("picture".into()).await.unwrap();
         for damaged in ["pictvre", "pict", ""] {
             std::fs::write(fixture.file(name), damaged).unwrap();
-            let refused = fixture.blobs().get(name, 100).await.unwrap_err();
+            let refused = fixture.blobs().get(&name, 100).await.unwrap_err();
             let found = BlobName::of(damaged.as_bytes());
             assert!(
                 matches!(refused, BlobError::Corrupt { found: hash, .. } if hash == found),
@@ -395,21 +395,21 @@ mod tests {
             );
         }
         fixture.blobs().put("picture".into()).await.unwrap();
-        assert_eq!(fixture.blobs().get(name, 100).await.unwrap(), "picture");
+        assert_eq!(fixture.blobs().get(&name, 100).await.unwrap(), "picture");
     }
 
     #[tokio::test]
     async fn a_blob_larger_than_allowed_is_not_read() {
         let fixture = Fixture::new().await;
         let name = fixture.blobs().put("picture".into()).await.unwrap();
-        let refused = fixture.blobs().get(name, 6).await.unwrap_err();
+        let refused = fixture.blobs().get(&name, 6).await.unwrap_err();
         assert!(matches!(refused, BlobError::TooLarge { bytes: 7, max_bytes: 6, .. }), "{refused:?}");
     }
 
     #[test]
     fn only_sixty_four_lower_case_hexadecimal_digits_are_a_name() {
         let name = BlobName::of(b"picture");
-        assert_eq!(name.to_string().parse(), Ok(name));
+        assert_eq!(name.to_string().parse::<BlobName>().unwrap(), name);
         assert_eq!(name.to_string(), blake3::hash(b"picture").to_hex().as_str());
         let digits = name.to_string();
         let wrong = [
@@ -426,7 +426,11 @@ mod tests {
             format!(" {}", &digits[1..]),
         ];
         for text in wrong {
-            assert_eq!(text.parse::<BlobName>(), Err(InvalidBlobName { text }));
+            let refused = text.parse::<BlobName>().unwrap_err();
+            assert!(
+                matches!(&refused, BlobError::InvalidName { text: named } if *named == text),
+                "{refused:?}"
+            );
         }
     }
 
@@ -445,9 +449,9 @@ mod tests {
 
         assert_eq!(fixture.collect(Duration::from_secs(7200)).await, 0);
         assert_eq!(fixture.collect(HALF_AN_HOUR).await, 1);
-        assert!(fixture.blobs().exists(used).await.unwrap());
-        assert!(!fixture.blobs().exists(orphan).await.unwrap());
-        assert!(fixture.blobs().exists(young).await.unwrap());
+        assert!(fixture.blobs().exists(&used).await.unwrap());
+        assert!(!fixture.blobs().exists(&orphan).await.unwrap());
+        assert!(fixture.blobs().exists(&young).await.unwrap());
         assert!(foreign.exists());
         fixture.blobs().ping().await.unwrap();
     }
@@ -460,9 +464,9 @@ mod tests {
         fixture.blobs().put("picture".into()).await.unwrap();
         assert_eq!(fixture.collect(HALF_AN_HOUR).await, 0);
         // As the collector would find it that had looked at the age before the blob was put again.
-        assert!(!fixture.blobs().delete_if_older(name, HALF_AN_HOUR).await.unwrap());
+        assert!(!fixture.blobs().delete_if_older(&name, HALF_AN_HOUR).await.unwrap());
         fixture.age(name);
-        assert!(fixture.blobs().delete_if_older(name, HALF_AN_HOUR).await.unwrap());
+        assert!(fixture.blobs().delete_if_older(&name, HALF_AN_HOUR).await.unwrap());
     }
 
     #[tokio::test]
@@ -475,7 +479,7 @@ mod tests {
         drop(folder);
         let folder = open_folder(directory.path()).await.unwrap();
         assert!(!left.exists());
-        assert_eq!(folder.blobs.get(name, 7).await.unwrap(), "picture");
+        assert_eq!(folder.blobs.get(&name, 7).await.unwrap(), "picture");
     }
 
     #[tokio::test]

@@ -67,7 +67,7 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
+    pub(super) fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
         let path = data_dir.join("lock");
         let file =
             File::create(&path).map_err(|source| OpenFolderError::Lock { path: path.clone(), source })?;
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(folder.catalogue.version("lab", 1).await.unwrap(), Some(version));
         assert_eq!(folder.catalogue.aliases("lab").await.unwrap(), [alias]);
         assert_eq!(folder.catalogue.job(job.id).await.unwrap(), Some(job));
-        assert_eq!(folder.blobs.get(blob, 8).await.unwrap(), "artifact");
+        assert_eq!(folder.blobs.get(&blob, 8).await.unwrap(), "artifact");
     }
 
     #[tokio::test]

@@ -11,7 +11,7 @@ mod sqlite;
 #[cfg(test)]
 mod suite;
 
-pub use blobs::{BlobError, BlobName, Blobs, InvalidBlobName};
+pub use blobs::{BlobError, BlobName, Blobs};
 pub use catalogue::{
     AliasExpectation, AliasRow, AliasTarget, Catalogue, CatalogueError, DatabaseCounts, DatabaseRow,
     ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress, Renewal,

@@ -410,3 +410,72 @@ impl Catalogue for SqliteCatalogue {
         .await?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    async fn open(directory: &Path) -> SqliteCatalogue {
+        let lock = Arc::new(FolderLock::take(directory).unwrap());
+        SqliteCatalogue::open(&directory.join("catalogue.sqlite"), lock).await.unwrap()
+    }
+
+    #[tokio::test]
+    async fn what_was_committed_is_on_the_disk() {
+        let directory = tempfile::tempdir().unwrap();
+        let catalogue = open(directory.path()).await;
+        let pragmas: (String, i64, i64) = sqlx::query_as(
+            "SELECT journal_mode, synchronous, foreign_keys
+             FROM pragma_journal_mode, pragma_synchronous, pragma_foreign_keys",
+        )
+        .fetch_one(&catalogue.writer)
+        .await
+        .unwrap();
+        assert_eq!(pragmas, ("wal".to_owned(), 2, 1)); // 2 is FULL.
+    }
+
+    #[tokio::test]
+    async fn readers_cannot_write() {
+        let directory = tempfile::tempdir().unwrap();
+        let catalogue = open(directory.path()).await;
+        let refused = sqlx::query("DELETE FROM jobs").execute(&catalogue.readers).await.unwrap_err();
+        assert!(refused.to_string().contains("readonly"), "{refused}");
+    }
+
+    #[tokio::test]
+    async fn a_full_disk_makes_writes_unavailable_until_there_is_room() {
+        let directory = tempfile::tempdir().unwrap();
+        let catalogue = open(directory.path()).await;
+        let large = "x".repeat(1 << 20);
+        sqlx::query("PRAGMA max_page_count = 64").execute(&catalogue.writer).await.unwrap();
+        let refused = catalogue.create_database("lab", "landmarks", &large).await.unwrap_err();
+        assert!(matches!(refused, CatalogueError::Unavailable { .. }), "{refused:?}");
+        assert_eq!(catalogue.databases(None, 9).await.unwrap(), []);
+
+        sqlx::query("PRAGMA max_page_count = 100000").execute(&catalogue.writer).await.unwrap();
+        assert!(catalogue.create_database("lab", "landmarks", &large).await.unwrap().1);
+    }
+
+    #[tokio::test]
+    async fn a_row_that_cannot_be_ours_is_corrupt() {
+        for (damage, column) in [
+            ("UPDATE jobs SET attempts = -1", "attempts"),
+            ("UPDATE jobs SET created_at = 9223372036854775807", "created_at"),
+            (
+                "INSERT INTO jobs (id, kind, database, params, state, created_at) VALUES ('x', '', '', '', 'queued', 0)",
+                "id",
+            ),
+        ] {
+            let directory = tempfile::tempdir().unwrap();
+            let catalogue = open(directory.path()).await;
+            catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+            catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+            sqlx::query(damage).execute(&catalogue.writer).await.unwrap();
+            let refused = catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap_err();
+            assert!(
+                matches!(&refused, CatalogueError::Corrupt { what, .. } if what.starts_with(column)),
+                "{refused:?}"
+            );
+        }
+    }
+}
