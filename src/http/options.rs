@@ -183,13 +183,9 @@ pub fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<Landmark
         })
         .collect();
     if !later.is_empty() && faults.is_empty() {
-        return Err(Problem {
-            errors: later,
-            ..Problem::new(
-                Code::NotYet,
-                "this release has method paper, viewpoint free and operator symmetry, and no position prior",
-            )
-        });
+        let text =
+            "this release has method paper, viewpoint free and operator symmetry, and no position prior";
+        return Err(Problem::new(Code::NotYet, text).with_errors(later));
     }
     faults.extend(later);
     if faults.is_empty() { Ok(options) } else { Err(Problem::fields(faults)) }

@@ -139,7 +139,12 @@ impl Problem {
     pub fn fields(errors: Vec<FieldError>) -> Self {
         let named: Vec<String> =
             errors.iter().map(|error| format!("{} {}", error.pointer, error.detail)).collect();
-        Self { errors, ..Self::new(Code::InvalidField, named.join("; ")) }
+        Self::new(Code::InvalidField, named.join("; ")).with_errors(errors)
+    }
+
+    /// The same, pointing to these fields.
+    pub fn with_errors(self, errors: Vec<FieldError>) -> Self {
+        Self { errors, ..self }
     }
 
     /// One field at fault.
