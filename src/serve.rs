@@ -124,7 +124,9 @@ async fn refresh(service: Service, mut shutdown: watch::Receiver<bool>) {
     loop {
         match service.databases.registry().refresh().await {
             Ok(()) => service.ready.store(true, Ordering::Relaxed),
-            Err(error) => tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on"),
+            Err(error) => {
+                tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on")
+            }
         }
         tokio::select! {
             () = tokio::time::sleep(REFRESH_EVERY) => {}

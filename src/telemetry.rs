@@ -3,6 +3,7 @@
 //! Logs go to standard error, one event a line, as text or JSON, each inside its request's span (method, path,
 //! request id, trace id). Metrics follow Prometheus: names end in their unit, counters in `_total`.
 
+use std::io::IsTerminal;
 use std::time::Duration;
 
 use prometheus::core::Collector;
@@ -22,7 +23,9 @@ pub fn start_logging(format: LogFormat, quiet: bool) {
     // A second start in one process (tests) keeps the first: that is what try_init's error says.
     let _ = match format {
         LogFormat::Text => {
-            registry.with(tracing_subscriber::fmt::layer().with_writer(std::io::stderr)).try_init()
+            let colours = std::io::stderr().is_terminal();
+            let layer = tracing_subscriber::fmt::layer().with_ansi(colours).with_writer(std::io::stderr);
+            registry.with(layer).try_init()
         }
         LogFormat::Json => registry
             .with(tracing_subscriber::fmt::layer().json().flatten_event(true).with_writer(std::io::stderr))
@@ -130,8 +133,11 @@ impl Metrics {
             training_seconds: register(
                 &registry,
                 Histogram::with_opts(
-                    HistogramOpts::new("landmarkd_training_seconds", "Time of one training, start to version")
-                        .buckets(vec![0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]),
+                    HistogramOpts::new(
+                        "landmarkd_training_seconds",
+                        "Time of one training, start to version",
+                    )
+                    .buckets(vec![0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]),
                 ),
             ),
             registry,

@@ -19,9 +19,7 @@ use uuid::Uuid;
 use super::options::{self, DocumentError};
 use super::registry::Model;
 use super::{Counts, Kind, Name};
-use crate::recognition::landmarks::{
-    Colour, Exemplar, LandmarkParts, Landmarks, PartsError, TrainingReport,
-};
+use crate::recognition::landmarks::{Colour, Exemplar, LandmarkParts, Landmarks, PartsError, TrainingReport};
 use crate::store::BlobName;
 
 /// The format that is written; older ones are read for ever.
@@ -214,9 +212,8 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
         points: tensor(&tensors, "points", Dtype::F32, f32::from_le_bytes)?,
         owner: tensor(&tensors, "owner", Dtype::U32, u32::from_le_bytes)?,
     };
-    let named = |exemplar: &Exemplar| {
-        Name::parse(&exemplar.label).is_ok() && Uuid::try_parse(&exemplar.id).is_ok()
-    };
+    let named =
+        |exemplar: &Exemplar| Name::parse(&exemplar.label).is_ok() && Uuid::try_parse(&exemplar.id).is_ok();
     if !parts.exemplars.iter().all(named) {
         return Err(ArtifactError::Contents);
     }
@@ -314,9 +311,14 @@ mod tests {
             let (dx, dy) = (x as f32 - 17.0, y as f32 - 21.0);
             if dx * dx + dy * dy < 40.0 { 220.0 } else { 20.0 }
         });
-        let square = Image::from_fn(40, 40, |x, y| {
-            if (12..25).contains(&x) && (9..20).contains(&y) { 200.0 } else { 40.0 }
-        });
+        let square =
+            Image::from_fn(
+                40,
+                40,
+                |x, y| {
+                    if (12..25).contains(&x) && (9..20).contains(&y) { 200.0 } else { 40.0 }
+                },
+            );
         let described = [("disc", disc), ("square", square)].map(|(label, image)| {
             let id = Uuid::new_v8([label.len() as u8; 16]).to_string();
             let name = ExemplarName { id, label: label.into() };

@@ -24,8 +24,8 @@ pub use registry::{LoadedVersion, Model, Registry};
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
 
 pub use crate::store::{
-    AliasExpectation, AliasRow, DatabaseCounts, DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter,
-    JobRow, JobState, Progress, VersionRow,
+    AliasExpectation, AliasRow, DatabaseCounts, DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow,
+    JobFilter, JobRow, JobState, Progress, VersionRow,
 };
 
 use crate::compute::Compute;
@@ -172,10 +172,7 @@ impl Databases {
         expected: AliasExpectation,
     ) -> Result<(), DatabaseError> {
         if !self.catalogue.delete_alias(name.as_str(), alias.as_str(), expected).await? {
-            return Err(DatabaseError::UnknownAlias {
-                database: name.to_string(),
-                alias: alias.to_string(),
-            });
+            return Err(DatabaseError::UnknownAlias { database: name.to_string(), alias: alias.to_string() });
         }
         self.registry.refresh().await
     }

@@ -15,7 +15,7 @@ use super::artifact;
 use super::{CURRENT, DatabaseError, Databases, Kind, Name};
 use crate::compute::{Compute, Lane};
 use crate::recognition::landmarks::Landmarks;
-use crate::store::{AliasTarget, Blobs, BlobError, Catalogue};
+use crate::store::{AliasTarget, BlobError, Blobs, Catalogue};
 use crate::telemetry::chain;
 
 /// What a version recognises with.
@@ -118,8 +118,7 @@ impl Registry {
 
     /// The version of that number, if it is in memory.
     pub fn by_number(&self, database: &str, version: i64) -> Option<Arc<LoadedVersion>> {
-        let is_it =
-            |loaded: &&Arc<LoadedVersion>| loaded.version == version && loaded.database == database;
+        let is_it = |loaded: &&Arc<LoadedVersion>| loaded.version == version && loaded.database == database;
         let snapshot = self.snapshot.load();
         let aliased = snapshot.databases.get(database).and_then(|aliases| {
             aliases.values().filter_map(|served| served.version.as_ref()).find(is_it).cloned()
@@ -306,10 +305,9 @@ impl Databases {
         match rows.into_iter().find(|row| row.alias == wanted) {
             // Known to the catalogue and not here: another process moved it a moment ago, or it doesn't load.
             Some(row) => self.version_model(database, row.version).await,
-            None if alias.is_some_and(|alias| alias.as_str() != CURRENT) => Err(DatabaseError::UnknownAlias {
-                database: database.to_string(),
-                alias: wanted.into(),
-            }),
+            None if alias.is_some_and(|alias| alias.as_str() != CURRENT) => {
+                Err(DatabaseError::UnknownAlias { database: database.to_string(), alias: wanted.into() })
+            }
             None => Err(DatabaseError::NotTrained { database: database.to_string() }),
         }
     }

@@ -37,7 +37,10 @@ pub fn choose(headers: &HeaderMap, offered: &[&'static str]) -> Result<&'static 
         }
     }
     best.1.ok_or_else(|| {
-        Problem::new(Code::NotAcceptable, format!("this call gives {}: accept one of them", offered.join(", ")))
+        Problem::new(
+            Code::NotAcceptable,
+            format!("this call gives {}: accept one of them", offered.join(", ")),
+        )
     })
 }
 

@@ -23,9 +23,7 @@ pub async fn read_whole(
     match tokio::time::timeout(limits.body_timeout, whole).await {
         Ok(Ok(whole)) => Ok(whole.to_bytes()),
         Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large(max_bytes)),
-        Ok(Err(error)) => {
-            Err(Problem::new(Code::MalformedRequest, format!("the body broke off: {error}")))
-        }
+        Ok(Err(error)) => Err(Problem::new(Code::MalformedRequest, format!("the body broke off: {error}"))),
         Err(_) => Err(too_slow(limits)),
     }
 }

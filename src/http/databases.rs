@@ -96,7 +96,10 @@ impl TryFrom<DatabaseRow> for DatabaseBody {
 
 fn read_kind(row: &DatabaseRow) -> Result<Kind, Problem> {
     Kind::parse(&row.kind).ok_or_else(|| {
-        Problem::new(Code::NotYet, format!("database {} is of kind {}: this release can't read it", row.name, row.kind))
+        Problem::new(
+            Code::NotYet,
+            format!("database {} is of kind {}: this release can't read it", row.name, row.kind),
+        )
     })
 }
 
@@ -124,7 +127,10 @@ pub async fn put(
     let kind = match new.kind {
         KindWord::Landmarks => Kind::Landmarks,
         KindWord::Objects => {
-            return Err(Problem::new(Code::NotYet, "kind objects is not in this release: use kind landmarks"));
+            return Err(Problem::new(
+                Code::NotYet,
+                "kind objects is not in this release: use kind landmarks",
+            ));
         }
     };
     let options = new.options.map(|body| options::over(LandmarkOptions::default(), &body)).transpose()?;

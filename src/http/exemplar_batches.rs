@@ -131,9 +131,14 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    async fn keep(&self, label: &str, pose_deg: Option<f64>, bytes: bytes::Bytes) -> Result<(Uuid, bool), Problem> {
-        let label = Name::parse(label)
-            .map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
+    async fn keep(
+        &self,
+        label: &str,
+        pose_deg: Option<f64>,
+        bytes: bytes::Bytes,
+    ) -> Result<(Uuid, bool), Problem> {
+        let label =
+            Name::parse(label).map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
         pose(pose_deg)?;
         let picture = Picture::of(bytes, &self.service.decode)?;
         let kept = self.service.keep_exemplar(self.database, label, pose_deg, picture, self.header.clone());
@@ -239,7 +244,8 @@ impl Batch<'_> {
                 answer.note(file, Err(problem))?;
                 continue;
             };
-            let read = tokio::time::timeout(limits.body_timeout, read_entry(&mut entry, limits.max_body_bytes));
+            let read =
+                tokio::time::timeout(limits.body_timeout, read_entry(&mut entry, limits.max_body_bytes));
             let outcome = match read.await.map_err(|_| body::too_slow(limits))?.map_err(broken)? {
                 Some(bytes) => self.keep(&label, pose_deg, bytes).await,
                 None => Err(body::too_large(limits.max_body_bytes)),
@@ -272,7 +278,9 @@ fn broken_archive(error: &std::io::Error, max_bytes: u64) -> Problem {
     }
     Problem::new(
         Code::MalformedRequest,
-        format!("the archive can't be read: {error}; it must be an uncompressed tar. Files before the fault are kept"),
+        format!(
+            "the archive can't be read: {error}; it must be an uncompressed tar. Files before the fault are kept"
+        ),
     )
 }
 

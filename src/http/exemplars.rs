@@ -110,7 +110,9 @@ pub fn pose(given: Option<f64>) -> Result<Option<f64>, Problem> {
             Err(Problem::field("#pose_deg", format!("{pose} is no angle in degrees")))
         }
         // rem_euclid of a tiny negative angle rounds to 360 itself.
-        given => Ok(given.map(|pose| pose.rem_euclid(360.0)).map(|pose| if pose == 360.0 { 0.0 } else { pose })),
+        given => {
+            Ok(given.map(|pose| pose.rem_euclid(360.0)).map(|pose| if pose == 360.0 { 0.0 } else { pose }))
+        }
     }
 }
 
@@ -218,7 +220,10 @@ pub async fn get(
         (Vec<u8> = "image/jpeg"), (Vec<u8> = "image/png"), (Vec<u8> = "image/x-portable-anymap")
     )))
 )]
-pub async fn image(State(service): State<Service>, Path(path): Path<ExemplarPath>) -> Result<Response, Problem> {
+pub async fn image(
+    State(service): State<Service>,
+    Path(path): Path<ExemplarPath>,
+) -> Result<Response, Problem> {
     service.databases.get(&path.database).await?;
     let row = service.databases.exemplar(&path.database, path.id).await?;
     let bytes = service.databases.exemplar_bytes(&row).await?;

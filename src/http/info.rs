@@ -80,8 +80,7 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
         tokio::time::timeout(STORE_PATIENCE, service.databases.ping_blobs()),
     );
     let store = |well: bool| if well { StoreStatus::Ok } else { StoreStatus::Unavailable };
-    let (catalogue, blobs) =
-        (store(matches!(catalogue, Ok(Ok(())))), store(matches!(blobs, Ok(Ok(())))));
+    let (catalogue, blobs) = (store(matches!(catalogue, Ok(Ok(())))), store(matches!(blobs, Ok(Ok(())))));
     let databases: Vec<DatabaseReady> = service
         .databases
         .registry()

@@ -128,7 +128,8 @@ impl From<JobRow> for JobBody {
             state: row.state.into(),
             progress: row.progress.map(|progress| ProgressBody {
                 stage: progress.stage,
-                done: progress.done,
+                // The last step's end is noted with the job's, not before it.
+                done: if row.state == JobState::Succeeded { progress.total } else { progress.done },
                 total: progress.total,
             }),
             version: row.version,
@@ -216,7 +217,10 @@ pub async fn list(
 #[utoipa::path(
     get, path = "/v1/jobs/{id}", tag = "jobs", params(JobPath), responses((status = 200, body = JobBody))
 )]
-pub async fn get(State(service): State<Service>, Path(path): Path<JobPath>) -> Result<Json<JobBody>, Problem> {
+pub async fn get(
+    State(service): State<Service>,
+    Path(path): Path<JobPath>,
+) -> Result<Json<JobBody>, Problem> {
     Ok(Json(service.jobs.get(path.id).await?.into()))
 }
 
@@ -246,11 +250,11 @@ pub async fn events(
 ) -> Result<Response, Problem> {
     let after = match headers.get("last-event-id") {
         None => 0,
-        Some(value) => value
-            .to_str()
-            .ok()
-            .and_then(|text| text.trim().parse().ok())
-            .ok_or_else(|| Problem::field("#Last-Event-ID", "must be the number of an event of this job"))?,
+        Some(value) => {
+            value.to_str().ok().and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
+                Problem::field("#Last-Event-ID", "must be the number of an event of this job")
+            })?
+        }
     };
     service.jobs.get(path.id).await?;
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));

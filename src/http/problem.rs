@@ -231,7 +231,9 @@ impl From<CatalogueError> for Problem {
                     "the catalogue can't be reached; recognition goes on from memory, try this again soon",
                 )
             }
-            CatalogueError::NotFound { what } => Self::new(Code::UnknownDatabase, format!("{what}: it was deleted meanwhile")),
+            CatalogueError::NotFound { what } => {
+                Self::new(Code::UnknownDatabase, format!("{what}: it was deleted meanwhile"))
+            }
             error => Self::internal(&error),
         }
     }

@@ -194,7 +194,11 @@ fn recognise(
 }
 
 impl Service {
-    async fn version_for(&self, database: &Name, query: &RecognitionQuery) -> Result<Arc<LoadedVersion>, Problem> {
+    async fn version_for(
+        &self,
+        database: &Name,
+        query: &RecognitionQuery,
+    ) -> Result<Arc<LoadedVersion>, Problem> {
         match (query.version, &query.alias) {
             (Some(_), Some(_)) => Err(Problem::field("#version", "and alias exclude each other: give one")),
             (Some(version), None) => Ok(self.databases.version_model(database, version).await?),

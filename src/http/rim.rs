@@ -27,7 +27,8 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
     let request_id = request_id(&request);
     let method = request.method().clone();
     let path = request.uri().path().to_owned();
-    let route = request.extensions().get::<MatchedPath>().map_or("unmatched".into(), |m| m.as_str().to_owned());
+    let route =
+        request.extensions().get::<MatchedPath>().map_or("unmatched".into(), |m| m.as_str().to_owned());
     let span = tracing::info_span!("request", %method, path, request_id, trace_id = trace_id(&request));
     let deadline = deadline(&service, &route);
 
@@ -37,11 +38,15 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
         Ok(Err(panic)) => {
             let message = panic_message(&*panic);
             span.in_scope(|| tracing::error!(message, "a handler panicked"));
-            Problem::new(Code::Internal, "something went wrong in the service; the log has it").into_response()
+            Problem::new(Code::Internal, "something went wrong in the service; the log has it")
+                .into_response()
         }
         Err(_) => Problem::new(
             Code::DeadlineExceeded,
-            format!("the answer was not ready within {} s: try again, or send less at once", deadline.as_secs()),
+            format!(
+                "the answer was not ready within {} s: try again, or send less at once",
+                deadline.as_secs()
+            ),
         )
         .into_response(),
     };

@@ -132,7 +132,11 @@ impl Service {
     ///
     /// # Errors
     /// A part larger than `max_bytes` (the rest of it is skipped), or one that doesn't come.
-    pub async fn read_part(&self, mut field: Field<'_>, max_bytes: u64) -> Result<Result<Bytes, Problem>, Problem> {
+    pub async fn read_part(
+        &self,
+        mut field: Field<'_>,
+        max_bytes: u64,
+    ) -> Result<Result<Bytes, Problem>, Problem> {
         let all = async {
             let (mut bytes, mut fits) = (BytesMut::new(), true);
             while let Some(chunk) =
@@ -204,9 +208,10 @@ fn field(headers: &HeaderMap, name: &str) -> Result<Option<String>, Problem> {
     let text = std::str::from_utf8(value.as_bytes()).ok().filter(|text| text.len() <= MAX_HEADER_VALUE_BYTES);
     match text {
         Some(text) => Ok(Some(text.to_owned())),
-        None => {
-            Err(Problem::field(format!("#{name}"), format!("must be UTF-8 of at most {MAX_HEADER_VALUE_BYTES} bytes")))
-        }
+        None => Err(Problem::field(
+            format!("#{name}"),
+            format!("must be UTF-8 of at most {MAX_HEADER_VALUE_BYTES} bytes"),
+        )),
     }
 }
 
@@ -226,7 +231,9 @@ mod tests {
 
     #[test]
     fn stamps_are_rfc_3339_or_seconds() {
-        for good in ["1700000000", "1700000000.123456789", "2026-01-31T12:00:00Z", "2026-01-31T12:00:00.25+01:00"] {
+        for good in
+            ["1700000000", "1700000000.123456789", "2026-01-31T12:00:00Z", "2026-01-31T12:00:00.25+01:00"]
+        {
             assert!(is_stamp(good), "{good}");
         }
         for bad in ["", "yesterday", "1700000000.", ".5", "-3", "1.1234567890", "2026-13-01T00:00:00Z"] {

@@ -86,8 +86,16 @@ impl TryFrom<VersionRow> for VersionBody {
 
     fn try_from(row: VersionRow) -> Result<Self, Problem> {
         let unreadable = |what: &str, error: &dyn std::error::Error| {
-            tracing::error!(row.database, row.version, error = crate::telemetry::chain(error), "unreadable {what}");
-            Problem::new(Code::Internal, format!("the {what} kept with version {} can't be read", row.version))
+            tracing::error!(
+                row.database,
+                row.version,
+                error = crate::telemetry::chain(error),
+                "unreadable {what}"
+            );
+            Problem::new(
+                Code::Internal,
+                format!("the {what} kept with version {} can't be read", row.version),
+            )
         };
         let options = kept::from_document(&row.options).map_err(|error| unreadable("options", &error))?;
         Ok(Self {
@@ -170,7 +178,8 @@ pub async fn artifact(
     let have = have.is_some_and(|list| {
         list.split(',').map(str::trim).any(|have| have == "*" || have.trim_start_matches("W/") == etag)
     });
-    let etag = HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
+    let etag =
+        HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
     if have {
         return Ok((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response());
     }

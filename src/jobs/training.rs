@@ -68,9 +68,9 @@ impl From<DatabaseError> for Stop {
             DatabaseError::Catalogue { source: CatalogueError::NotFound { what } } => {
                 Self::Failed { code: "unknown_database", detail: format!("{what}; it was deleted meanwhile") }
             }
-            DatabaseError::Blobs { source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }) } => {
-                Self::Failed { code: "unreadable_exemplar", detail: crate::telemetry::chain(&error) }
-            }
+            DatabaseError::Blobs {
+                source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }),
+            } => Self::Failed { code: "unreadable_exemplar", detail: crate::telemetry::chain(&error) },
             DatabaseError::Compute { source: ComputeError::Panicked { message } } => {
                 Self::Failed { code: "internal", detail: format!("the computation failed: {message}") }
             }
