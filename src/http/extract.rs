@@ -1,6 +1,8 @@
 //! What handlers take from a request: path, query and JSON, with problems instead of the framework's plain texts.
 
 use axum::body::Bytes;
+use axum::extract::path::ErrorKind;
+use axum::extract::rejection::PathRejection;
 use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, header};
@@ -17,8 +19,15 @@ impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Path<T> {
 
     async fn from_request_parts(parts: &mut Parts, service: &Service) -> Result<Self, Problem> {
         let taken = axum::extract::Path::<T>::from_request_parts(parts, service).await;
-        let axum::extract::Path(value) =
-            taken.map_err(|rejection| Problem::field("#path", rejection.body_text()))?;
+        let axum::extract::Path(value) = taken.map_err(|rejection| match rejection {
+            PathRejection::FailedToDeserializePathParams(error) => match error.kind() {
+                ErrorKind::DeserializeError { key, message, .. } => {
+                    Problem::field(format!("#{key}"), message.clone())
+                }
+                _ => Problem::field("#path", error.body_text()),
+            },
+            rejection => Problem::field("#path", rejection.body_text()),
+        })?;
         Ok(Self(value))
     }
 }
@@ -29,11 +38,16 @@ pub struct Query<T>(pub T);
 impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Query<T> {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, service: &Service) -> Result<Self, Problem> {
-        let taken = axum::extract::Query::<T>::from_request_parts(parts, service).await;
-        let axum::extract::Query(value) =
-            taken.map_err(|rejection| Problem::field("#query", rejection.body_text()))?;
-        Ok(Self(value))
+    async fn from_request_parts(parts: &mut Parts, _service: &Service) -> Result<Self, Problem> {
+        let query = parts.uri.query().unwrap_or_default();
+        let pairs = form_urlencoded::parse(query.as_bytes());
+        serde_path_to_error::deserialize(serde_urlencoded::Deserializer::new(pairs)).map(Self).map_err(
+            |error| {
+                let name = error.path().to_string();
+                let at = if name == "." { "#query".into() } else { format!("#{name}") };
+                Problem::field(at, error.inner().to_string())
+            },
+        )
     }
 }
 

@@ -241,7 +241,7 @@ pub async fn cancel(
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = "jobs",
     params(JobPath, ("Last-Event-ID" = Option<i64>, Header, description = "Number of the last event seen")),
-    responses((status = 200, body = JobBody, content_type = "text/event-stream"))
+    responses((status = 200, description = "Events whose data is a job", body = String, content_type = "text/event-stream"))
 )]
 pub async fn events(
     State(service): State<Service>,

@@ -107,10 +107,35 @@ pub fn read_header(bytes: &[u8], limits: &DecodeLimits) -> Result<Header, Decode
 
 /// Decode a picture into a frame.
 pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Frame, DecodeError> {
-    let (decoder, _, orientation) = opened(bytes, limits)?;
+    let (decoder, header, orientation) = opened(bytes, limits)?;
+    if header.format == Format::Jpeg && !jpeg_has_its_end(bytes) {
+        return Err(DecodeError::Corrupt { source: "the end of the JPEG file is missing".into() });
+    }
     let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| refused(error, limits))?;
     picture.apply_orientation(orientation);
     Ok(frame(picture))
+}
+
+/// Whether the end marker follows the first scan. The decoder paints what is missing gray and says nothing; a robot
+/// must not take that for a place.
+fn jpeg_has_its_end(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xda;
+    const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
+    // Segments with a length come before the first scan; one of them may hold a thumbnail with an end of its own.
+    let mut rest = &bytes[2..];
+    while let [0xff, marker, length_high, length_low, ..] = *rest {
+        let length = match marker {
+            0xff => 1,
+            0x01 | 0xd0..=0xd7 => 2,
+            _ => 2 + usize::from(u16::from_be_bytes([length_high, length_low])),
+        };
+        rest = rest.get(length..).unwrap_or_default();
+        if marker == START_OF_SCAN {
+            break;
+        }
+    }
+    // In a scan every 0xff is followed by 0x00 or a marker, so the end can't be mistaken.
+    rest.windows(2).any(|pair| pair == END_OF_IMAGE)
 }
 
 /// A decoder that stands after the header, the header, and how the picture is to be turned.
@@ -208,4 +233,51 @@ fn planes<T: Copy>(samples: &[T], colour: bool, alpha: bool, level: impl Fn(T) -
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod cut_off {
+    use image::codecs::jpeg::JpegEncoder;
+    use image::codecs::png::PngEncoder;
+    use image::{ExtendedColorType, ImageEncoder};
+
+    use super::*;
+
+    fn chequered() -> Vec<u8> {
+        (0..48 * 32).map(|i| if (i % 48 / 4 + i / 48 / 4) % 2 == 0 { 200 } else { 30 }).collect()
+    }
+
+    fn refuses_every_shorter_file(whole: &[u8]) {
+        let limits = DecodeLimits::default();
+        assert!(decode(whole, &limits).is_ok());
+        for length in 0..whole.len() {
+            assert!(decode(&whole[..length], &limits).is_err(), "{length} of {} bytes", whole.len());
+        }
+    }
+
+    #[test]
+    fn a_jpeg_without_its_end_is_refused_wherever_it_was_cut() {
+        let mut file = Vec::new();
+        JpegEncoder::new(&mut file).encode(&chequered(), 48, 32, ExtendedColorType::L8).unwrap();
+        refuses_every_shorter_file(&file);
+    }
+
+    #[test]
+    fn a_jpeg_with_a_tail_of_padding_is_whole() {
+        let mut file = Vec::new();
+        JpegEncoder::new(&mut file).encode(&chequered(), 48, 32, ExtendedColorType::L8).unwrap();
+        file.extend([0; 100]);
+        assert!(decode(&file, &DecodeLimits::default()).is_ok());
+    }
+
+    #[test]
+    fn a_png_without_its_pixels_is_refused() {
+        let mut file = Vec::new();
+        PngEncoder::new(&mut file).write_image(&chequered(), 48, 32, ExtendedColorType::L8).unwrap();
+        // The closing chunk says nothing about pixels: 12 bytes that may be missing.
+        let limits = DecodeLimits::default();
+        for length in 0..file.len() - 16 {
+            assert!(decode(&file[..length], &limits).is_err(), "{length} of {} bytes", file.len());
+        }
+    }
 }
