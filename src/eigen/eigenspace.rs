@@ -224,3 +224,111 @@ fn departure_from_orthonormality(basis: &[f32], length: usize) -> f64 {
     }
     largest
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// `count` vectors about a mean of 3, spread by 1/(k + 1) along component k, from a fixed generator.
+    fn cloud(count: usize, length: usize) -> Vec<f32> {
+        let mut state = 1u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
+        };
+        (0..count * length).map(|i| 3.0 + next() / ((i % length) as f32 + 1.0)).collect()
+    }
+
+    fn squared(a: &[f32], b: &[f32]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum()
+    }
+
+    #[test]
+    fn a_line_has_one_direction() {
+        let rows: Vec<f32> = (0..9).flat_map(|t| [1.0 + 3.0 * t as f32, 2.0, 5.0 - 4.0 * t as f32]).collect();
+        let (space, spectrum) = Eigenspace::fit(&rows, 3, 3).unwrap();
+        assert_eq!(space.dimension(), 1);
+        // the variance of 0..9 is 7.5, its step 5 long; the component of largest magnitude is positive
+        assert!((space.eigenvalues[0] - 7.5 * 25.0).abs() < 1e-9);
+        for (b, expected) in space.basis.iter().zip([-0.6, 0.0, 0.8]) {
+            assert!((b - expected).abs() < 1e-6, "{:?}", space.basis);
+        }
+        assert_eq!(spectrum.len(), 3);
+        assert!(spectrum[1].abs() < 1e-9 && (space.total_variance - 187.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gram_and_covariance_span_the_same_space() {
+        let rows = cloud(30, 29);
+        let (wide, _) = Eigenspace::fit(&rows, 29, 6).unwrap(); // 30 > 29: covariance
+        let padded: Vec<f32> = rows.chunks_exact(29).flat_map(|row| [row, &[0.0; 11][..]].concat()).collect();
+        let (tall, _) = Eigenspace::fit(&padded, 40, 6).unwrap(); // 30 < 40: Gram
+        for i in 0..6 {
+            assert!((wide.eigenvalues[i] - tall.eigenvalues[i]).abs() < 1e-9 * wide.eigenvalues[0]);
+            let (a, b) = (&wide.basis[29 * i..][..29], &tall.basis[40 * i..][..29]);
+            assert!(squared(a, b).sqrt() < 1e-5, "direction {i}");
+        }
+    }
+
+    #[test]
+    fn many_rows_are_taken_in_chunks() {
+        let rows = cloud(2 * CHUNK_ROWS + 17, 5);
+        let (space, spectrum) = Eigenspace::fit(&rows, 5, 5).unwrap();
+        let points = space.project(&rows);
+        let count = (points.len() / 5) as f64;
+        for i in 0..5 {
+            let variance =
+                points.iter().skip(i).step_by(5).map(|&v| f64::from(v).powi(2)).sum::<f64>() / (count - 1.0);
+            assert!(
+                (variance / spectrum[i] - 1.0).abs() < 1e-4,
+                "direction {i}: {variance}, {}",
+                spectrum[i]
+            );
+        }
+    }
+
+    #[test]
+    fn what_can_not_be_fitted_says_why() {
+        assert_eq!(Eigenspace::fit(&[], 3, 1).unwrap_err(), EigenError::Shape { values: 0, length: 3 });
+        assert_eq!(Eigenspace::fit(&[1.0; 4], 3, 1).unwrap_err(), EigenError::Shape { values: 4, length: 3 });
+        assert_eq!(Eigenspace::fit(&[1.0, f32::NAN], 1, 1).unwrap_err(), EigenError::NotFinite);
+        let same: Vec<f32> = [0.1, 0.7, 0.3].repeat(10_000);
+        assert_eq!(Eigenspace::fit(&same, 3, 2).unwrap_err(), EigenError::NoVariance { vectors: 10_000 });
+        assert_eq!(Eigenspace::fit(&same[..3], 3, 2).unwrap_err(), EigenError::NoVariance { vectors: 1 });
+    }
+
+    #[test]
+    fn a_foreign_basis_is_checked() {
+        let (mut space, _) = Eigenspace::fit(&cloud(20, 6), 6, 3).unwrap();
+        assert_eq!(space.check_basis(), Ok(()));
+        space.basis[2] += 0.01;
+        assert!(matches!(space.check_basis(), Err(EigenError::NotOrthonormal { .. })));
+        space.basis[2] = f32::NAN;
+        assert!(space.check_basis().is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn a_whole_basis_keeps_distances(
+            (length, count, values) in (1usize..12, 2usize..30).prop_flat_map(|(length, count)| {
+                (Just(length), Just(count), prop::collection::vec(-10.0f32..10.0, length * count))
+            }),
+        ) {
+            let (space, spectrum) = Eigenspace::fit(&values, length, length).unwrap();
+            prop_assert!(spectrum.is_sorted_by(|a, b| a >= b));
+            prop_assert_eq!(spectrum.len(), length.min(count));
+            prop_assert_eq!(space.check_basis(), Ok(()));
+            let points = space.project(&values);
+            let d = space.dimension();
+            for i in 0..count {
+                let before = squared(&values[..length], &values[i * length..][..length]);
+                let after = squared(&points[..d], &points[i * d..][..d]);
+                prop_assert!((before - after).abs() < 1e-3 * before.max(1.0), "{before} became {after}");
+            }
+            // one vector by itself gives the same bits
+            prop_assert_eq!(&space.project(&values[length..2 * length])[..], &points[d..2 * d]);
+        }
+    }
+}

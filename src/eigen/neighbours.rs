@@ -235,3 +235,105 @@ fn padded<const D: usize>(point: &[f32]) -> [f32; D] {
     wide[..point.len()].copy_from_slice(point);
     wide
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn both(points: &[f32], dimension: usize, queries: &[f32]) -> (Vec<Neighbour>, Vec<Neighbour>) {
+        let index = EigenpointIndex::with_tree(points.to_vec(), dimension);
+        assert!(index.has_tree());
+        (index.nearest(queries), index.nearest_exhaustive(queries))
+    }
+
+    #[test]
+    fn ten_thousand_identical_eigenpoints_are_no_trouble() {
+        for dimension in [1, 7, 8, 32, 64] {
+            let mut points = [0.25].repeat(10_000 * dimension);
+            points.extend([0.5].repeat(dimension));
+            let queries = [[0.3].repeat(dimension), [0.6].repeat(dimension)].concat();
+            let (tree, exhaustive) = both(&points, dimension, &queries);
+            assert_eq!(tree, exhaustive);
+            assert_eq!((tree[0].index, tree[1].index), (0, 10_000));
+        }
+    }
+
+    #[test]
+    fn equal_coordinates_on_an_axis_do_not_unbalance_the_tree() {
+        // nine coordinates, the last five all zero, so that a tree of twelve splits on nothing eight times
+        let count = 5000usize;
+        let value = |i: usize, k: usize| match k {
+            0..4 => ((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15 ^ (k as u64 * 77)) >> 40) as f32,
+            _ => 0.0,
+        };
+        let points: Vec<f32> = (0..count).flat_map(|i| (0..9).map(move |k| value(i, k))).collect();
+        let queries: Vec<f32> = points.iter().map(|v| v + 3.0).collect();
+        let (tree, exhaustive) = both(&points, 9, &queries);
+        assert_eq!(tree, exhaustive);
+    }
+
+    #[test]
+    fn minus_zero_is_zero() {
+        let (tree, exhaustive) = both(&[0.0, -0.0, 1.0], 1, &[-0.0, 0.9]);
+        assert_eq!(tree, exhaustive);
+        assert_eq!((tree[0].index, tree[1].index), (0, 2));
+    }
+
+    #[test]
+    fn distances_are_not_squared() {
+        let index = EigenpointIndex::new(vec![0.0, 0.0, 30.0, 40.0], 2);
+        assert_eq!(index.nearest(&[3.0, 4.0]), [Neighbour { index: 0, distance: 5.0 }]);
+        assert!(index.nearest(&[]).is_empty());
+    }
+
+    #[test]
+    fn above_sixty_four_coordinates_there_is_no_tree() {
+        let points: Vec<f32> = (0..3 * 65).map(|i| i as f32).collect();
+        let index = EigenpointIndex::with_tree(points.clone(), 65);
+        assert!(!index.has_tree());
+        assert_eq!(index.nearest(&points[65..130]), [Neighbour { index: 1, distance: 0.0 }]);
+    }
+
+    #[test]
+    fn numbers_beyond_f32_give_an_infinite_distance_and_no_panic() {
+        let index = EigenpointIndex::new(vec![f32::MAX, f32::MAX, f32::MIN, f32::MIN], 2);
+        assert_eq!(index.nearest(&[f32::MIN, f32::MAX])[0].index, 0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_looking_at_all_finds(
+            (dimension, points, queries) in (1usize..=64, 1usize..200, 1usize..20).prop_flat_map(
+                |(dimension, points, queries)| (
+                    Just(dimension),
+                    prop::collection::vec(-1.0f32..1.0, dimension * points),
+                    prop::collection::vec(-1.5f32..1.5, dimension * queries),
+                ),
+            ),
+        ) {
+            let (tree, exhaustive) = both(&points, dimension, &queries);
+            for (a, b) in tree.iter().zip(&exhaustive) {
+                // two that are equally far to within f32 may change places
+                prop_assert!((a.distance - b.distance).abs() <= 1e-6 * b.distance, "{a:?} is not {b:?}");
+            }
+            let own = EigenpointIndex::new(points.clone(), dimension).nearest(&points);
+            prop_assert!(own.iter().enumerate().all(|(i, n)| n.distance == 0.0 && n.index <= i));
+        }
+
+        #[test]
+        fn coarse_coordinates_with_many_equals_agree(
+            (dimension, points, queries) in (1usize..6, 1usize..400).prop_flat_map(|(dimension, points)| (
+                Just(dimension),
+                prop::collection::vec(prop::sample::select(vec![0.0f32, 1.0, 2.0]), dimension * points),
+                prop::collection::vec(-0.5f32..2.5, dimension * 10),
+            )),
+        ) {
+            let (tree, exhaustive) = both(&points, dimension, &queries);
+            for (a, b) in tree.iter().zip(&exhaustive) {
+                prop_assert!((a.distance - b.distance).abs() <= 1e-6 * b.distance, "{a:?} is not {b:?}");
+            }
+        }
+    }
+}

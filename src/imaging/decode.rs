@@ -236,6 +236,199 @@ fn planes<T: Copy>(samples: &[T], colour: bool, alpha: bool, level: impl Fn(T) -
 }
 
 #[cfg(test)]
+mod tests {
+    use image::codecs::jpeg::JpegEncoder;
+    use image::codecs::png::PngEncoder;
+    use image::{ExtendedColorType, ImageEncoder};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::imaging::encode;
+
+    const LIMITS: DecodeLimits =
+        DecodeLimits { max_side_px: 8192, max_pixels: 40_000_000, max_alloc_bytes: 256 << 20 };
+
+    fn png(width: u32, height: u32, samples: &[u8], colour: ExtendedColorType) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        PngEncoder::new(&mut bytes).write_image(samples, width, height, colour).unwrap();
+        bytes
+    }
+
+    /// A gray JPEG, left half dark and right half bright, with an EXIF orientation.
+    fn jpeg(width: u32, height: u32, orientation: Option<u8>) -> Vec<u8> {
+        let pixels: Vec<u8> =
+            (0..width * height).map(|i| if i % width < width / 2 { 20 } else { 220 }).collect();
+        let mut bytes = Vec::new();
+        let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 95);
+        if let Some(orientation) = orientation {
+            let exif =
+                [&b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..], &[orientation, 0, 0, 0, 0, 0, 0, 0]];
+            encoder.set_exif_metadata(exif.concat()).unwrap();
+        }
+        encoder.write_image(&pixels, width, height, ExtendedColorType::L8).unwrap();
+        bytes
+    }
+
+    fn samples() -> Vec<Vec<u8>> {
+        let colours: Vec<u8> = (0..16 * 9 * 3).map(|i| (i * 37 % 251) as u8).collect();
+        vec![
+            jpeg(33, 17, Some(6)),
+            encode::png_rgb8(16, 9, &colours),
+            png(16, 9, &colours[..16 * 9 * 2], ExtendedColorType::L16),
+            [b"P6 16 9 255\n", &colours[..]].concat(),
+            [b"P5 16 9 65535\n", &colours[..16 * 9 * 2]].concat(),
+            [b"P4 16 9\n", &colours[..2 * 9]].concat(),
+            b"P2 3 2 15\n0 1 2 3 4 15\n".to_vec(),
+            [
+                &b"P7\nWIDTH 4\nHEIGHT 3\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n"[..],
+                &colours[..48],
+            ]
+            .concat(),
+        ]
+    }
+
+    #[test]
+    fn portable_maps_are_read_at_every_depth() {
+        let gray = |bytes: &[u8]| decode(bytes, &LIMITS).unwrap().luminance.pixels().to_vec();
+        assert_eq!(gray(b"P5 2 1 255\n\x00\xff"), [0.0, 255.0]);
+        assert_eq!(gray(b"P2 3 1 15\n0 5 15\n"), [0.0, 85.0, 255.0]);
+        assert_eq!(gray(b"P4 3 1\n\x40"), [255.0, 0.0, 255.0]);
+        assert_eq!(gray(b"P1 # drawn\n2 1\n1 0\n"), [0.0, 255.0]);
+        let sixteen = gray(b"P5 2 1 65535\n\x80\x00\x00\x01");
+        assert!((sixteen[0] - 32768.0 / 257.0).abs() < 1e-4 && (sixteen[1] - 1.0 / 257.0).abs() < 1e-6);
+        let colour = decode(b"P6 1 1 255\n\x01\x02\x03", &LIMITS).unwrap();
+        assert_eq!(colour.to_rgb8(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn sixteen_bits_keep_their_fraction() {
+        let samples: Vec<u8> = [1u16, 256, 65535].iter().flat_map(|v| v.to_ne_bytes()).collect();
+        let frame = decode(&png(3, 1, &samples, ExtendedColorType::L16), &LIMITS).unwrap();
+        for (level, expected) in frame.luminance.pixels().iter().zip([1.0 / 257.0, 256.0 / 257.0, 255.0]) {
+            assert!((level - expected).abs() < 1e-5, "{level} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn alpha_lies_over_black() {
+        let colour = png(2, 1, &[200, 100, 50, 255, 200, 100, 50, 51], ExtendedColorType::Rgba8);
+        assert_eq!(decode(&colour, &LIMITS).unwrap().to_rgb8(), [200, 100, 50, 40, 20, 10]);
+        let gray = png(2, 1, &[200, 0, 200, 255], ExtendedColorType::La8);
+        assert_eq!(decode(&gray, &LIMITS).unwrap().luminance.pixels(), [0.0, 200.0]);
+    }
+
+    #[test]
+    fn the_orientation_of_exif_is_applied_and_the_header_says_so() {
+        // 6: the camera was turned; the picture is to be turned a quarter clockwise
+        let bytes = jpeg(48, 16, Some(6));
+        let header = read_header(&bytes, &LIMITS).unwrap();
+        assert_eq!((header.format, header.width_px, header.height_px), (Format::Jpeg, 16, 48));
+        let frame = decode(&bytes, &LIMITS).unwrap();
+        assert_eq!((frame.width(), frame.height()), (16, 48));
+        assert!(frame.luminance.at(8, 4) < 60.0 && frame.luminance.at(8, 44) > 180.0);
+        let upright = decode(&jpeg(48, 16, None), &LIMITS).unwrap();
+        assert!(upright.luminance.at(4, 8) < 60.0 && upright.luminance.at(44, 8) > 180.0);
+    }
+
+    #[test]
+    fn header_and_frame_agree() {
+        for bytes in samples() {
+            let header = read_header(&bytes, &LIMITS).unwrap();
+            let frame = decode(&bytes, &LIMITS).unwrap();
+            assert_eq!(
+                (header.width_px as usize, header.height_px as usize),
+                (frame.width(), frame.height())
+            );
+            assert_eq!(header.colour, frame.is_colour());
+            let planes = if frame.is_colour() { 4 } else { 1 };
+            assert_eq!(header.frame_bytes(), (frame.width() * frame.height() * planes * 4) as u64);
+        }
+    }
+
+    #[test]
+    fn what_is_no_picture_is_told_so() {
+        assert!(matches!(decode(b"", &LIMITS), Err(DecodeError::Empty)));
+        for bytes in [&b"GIF89a\x01\0\x01\0"[..], b"hello", b"P", b"P5", b"P9 1 1", b"\xff\xd8"] {
+            assert!(matches!(decode(bytes, &LIMITS), Err(DecodeError::UnknownFormat)), "{bytes:?}");
+        }
+        let cut = &encode::png_gray8(64, 64, &[7; 64 * 64])[..60];
+        assert!(matches!(decode(cut, &LIMITS), Err(DecodeError::Corrupt { .. })));
+        assert!(matches!(decode(b"P5 0 4 255\n", &LIMITS), Err(DecodeError::Corrupt { .. })));
+    }
+
+    #[test]
+    fn a_giant_is_refused_by_its_header() {
+        let refused = |bytes: &[u8]| match (read_header(bytes, &LIMITS), decode(bytes, &LIMITS)) {
+            (
+                Err(DecodeError::TooLarge { width_px, height_px, .. }),
+                Err(DecodeError::TooLarge { width_px: w, height_px: h, .. }),
+            ) => {
+                assert_eq!((width_px, height_px), (w, h));
+                (w, h)
+            }
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(refused(b"P5 60000 60000 255\n"), (60_000, 60_000));
+        assert_eq!(refused(b"P5 8193 1 255\n"), (8193, 1));
+        assert_eq!(refused(b"P5 8000 8000 255\n"), (8000, 8000));
+        // the size in a PNG's header, its checksum put right
+        let mut giant = encode::png_gray8(1, 1, &[0]);
+        giant[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
+        let checksum = crc(&giant[12..29]).to_be_bytes();
+        giant[29..33].copy_from_slice(&checksum);
+        assert_eq!(refused(&giant), (60_000, 60_000));
+    }
+
+    #[test]
+    fn memory_is_held_to_its_limit() {
+        let limits = DecodeLimits { max_alloc_bytes: 1000, ..LIMITS };
+        for bytes in [&b"P5 40 40 255\n"[..], &encode::png_gray8(40, 40, &[0; 1600]), &jpeg(40, 40, None)] {
+            assert!(matches!(decode(bytes, &limits), Err(DecodeError::TooMuchMemory { .. })), "{bytes:?}");
+            assert!(matches!(read_header(bytes, &limits), Err(DecodeError::TooMuchMemory { .. })));
+        }
+    }
+
+    fn crc(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(!0u32, |crc, &byte| {
+            (0..8)
+                .fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+        })
+    }
+
+    #[test]
+    fn a_cut_at_any_byte_is_an_error_or_a_picture() {
+        for bytes in samples() {
+            for end in 0..bytes.len() {
+                if let Ok(frame) = decode(&bytes[..end], &LIMITS) {
+                    assert!(frame.luminance.pixels().iter().all(|v| v.is_finite()));
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn no_bytes_make_it_panic(
+            which in 0usize..8,
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+            tail in prop::collection::vec(any::<u8>(), 0..8),
+        ) {
+            let mut bytes = samples().swap_remove(which);
+            for (at, value) in changes {
+                let at = at.index(bytes.len());
+                bytes[at] = value;
+            }
+            bytes.extend(tail);
+            let limits = DecodeLimits { max_side_px: 512, max_pixels: 1 << 16, max_alloc_bytes: 1 << 20 };
+            if let Ok(frame) = decode(&bytes, &limits) {
+                prop_assert!(frame.luminance.pixels().iter().all(|v| (0.0..=255.001).contains(v)));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
 mod cut_off {
     use image::codecs::jpeg::JpegEncoder;
     use image::codecs::png::PngEncoder;

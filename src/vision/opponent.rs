@@ -72,3 +72,51 @@ impl OpponentPlan {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signed(plan: &OpponentPlan, samples: &[f32]) -> Vec<f32> {
+        let mut amplitudes = vec![0.0; plan.length()];
+        plan.sign(samples, 1.0, &mut amplitudes);
+        amplitudes
+    }
+
+    #[test]
+    fn red_is_not_green() {
+        let plan = OpponentPlan::new(3, 8);
+        let (red, green) = (signed(&plan, &[64.0; 24]), signed(&plan, &[-64.0; 24]));
+        assert!(red[0] > 0.01);
+        assert!(red.iter().zip(&green).all(|(r, g)| (r + g).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_turn_changes_nothing() {
+        let plan = OpponentPlan::new(4, 12);
+        let samples: Vec<f32> =
+            (0..48u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as f32 - 128.0).collect();
+        let mut turned = samples.clone();
+        turned.chunks_exact_mut(12).for_each(|ring| ring.rotate_left(5));
+        let (still, turned) = (signed(&plan, &samples), signed(&plan, &turned));
+        assert!(still.iter().zip(&turned).all(|(a, b)| (a - b).abs() < 1e-6), "{still:?}\n{turned:?}");
+    }
+
+    #[test]
+    fn frequencies_are_told_apart() {
+        let plan = OpponentPlan::new(1, 16);
+        let wave =
+            |k: usize| (0..16).map(|s| (TAU * (k * s) as f64 / 16.0 + 0.3).cos() as f32).collect::<Vec<_>>();
+        for k in 1..4 {
+            let amplitudes = signed(&plan, &wave(k));
+            let strongest = (0..4).max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b])).unwrap();
+            assert_eq!(strongest, k, "{amplitudes:?}");
+        }
+    }
+
+    #[test]
+    fn few_sectors_have_few_frequencies() {
+        assert_eq!(OpponentPlan::new(5, 4).length(), 5 * 3);
+        assert_eq!(OpponentPlan::new(5, 32).length(), 5 * 4);
+    }
+}

@@ -173,3 +173,145 @@ fn weights(rings: usize, sectors: usize, taper: Taper) -> Vec<f32> {
         .flat_map(|ring| (0..sectors).map(move |sector| (over_r(ring) * over_theta(sector)) as f32))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn signed(plan: &SignaturePlan, samples: &[f32]) -> Vec<f32> {
+        let mut signature = vec![0.0; plan.length()];
+        plan.sign(samples, &mut plan.scratch(), &mut signature);
+        signature
+    }
+
+    /// The definition: mean, deviation, taper, a DFT term by term, amplitudes, unit length.
+    fn naive(plan: &SignaturePlan, samples: &[f32]) -> Vec<f32> {
+        let (rings, sectors) = (plan.rings, plan.sectors);
+        let count = samples.len() as f64;
+        let mean = samples.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+        let mean = if plan.normalise == Normalise::Contrast { mean } else { 0.0 };
+        let mut amplitudes = Vec::new();
+        for k in 0..=sectors / 2 {
+            for m in 0..rings {
+                let (mut re, mut im) = (0.0, 0.0);
+                for ring in 0..rings {
+                    for sector in 0..sectors {
+                        let at = ring * sectors + sector;
+                        let value = (f64::from(samples[at]) - mean) * f64::from(plan.taper[at]);
+                        let turn = (k * sector) as f64 / sectors as f64 + (m * ring) as f64 / rings as f64;
+                        re += value * (TAU * turn).cos();
+                        im -= value * (TAU * turn).sin();
+                    }
+                }
+                amplitudes.push(re.hypot(im));
+            }
+        }
+        let length = match plan.normalise {
+            Normalise::None => f64::from(plan.white),
+            _ => amplitudes.iter().map(|v| v * v).sum::<f64>().sqrt(),
+        };
+        amplitudes.iter().map(|v| (v / length) as f32).collect()
+    }
+
+    /// Rings, sectors and samples with some contrast.
+    fn windows() -> impl Strategy<Value = (usize, usize, Vec<f32>)> {
+        (2usize..12, 4usize..34).prop_flat_map(|(rings, sectors)| {
+            prop::collection::vec(0u8..=255, rings * sectors).prop_map(move |levels| {
+                let mut samples: Vec<f32> = levels.into_iter().map(f32::from).collect();
+                (samples[0], samples[1]) = (0.0, 255.0);
+                (rings, sectors, samples)
+            })
+        })
+    }
+
+    fn distance(a: &[f32], b: &[f32]) -> f32 {
+        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
+    }
+
+    fn shifted(samples: &[f32], sectors: usize, by: usize) -> Vec<f32> {
+        let mut samples = samples.to_vec();
+        samples.chunks_exact_mut(sectors).for_each(|ring| ring.rotate_right(by % sectors));
+        samples
+    }
+
+    proptest! {
+        #[test]
+        fn fast_equals_naive(
+            (rings, sectors, samples) in windows(),
+            literal in any::<bool>(),
+            normalise in prop::sample::select(vec![Normalise::Contrast, Normalise::Energy, Normalise::None]),
+        ) {
+            let taper = if literal { Taper::Literal } else { Taper::Radial };
+            let plan = SignaturePlan::new(rings, sectors, taper, normalise);
+            prop_assert!(distance(&signed(&plan, &samples), &naive(&plan, &samples)) < 1e-5);
+        }
+
+        #[test]
+        fn turns_change_nothing_with_a_radial_taper((rings, sectors, samples) in windows(), by in 0usize..34) {
+            let plan = SignaturePlan::new(rings, sectors, Taper::Radial, Normalise::Contrast);
+            let turned = shifted(&samples, sectors, by);
+            prop_assert!(distance(&signed(&plan, &samples), &signed(&plan, &turned)) < 1e-5);
+        }
+
+        #[test]
+        fn brightness_and_contrast_change_nothing(
+            (rings, sectors, samples) in windows(),
+            gain in 0.1f32..4.0,
+            offset in -100.0f32..100.0,
+        ) {
+            let plan = SignaturePlan::new(rings, sectors, Taper::Radial, Normalise::Contrast);
+            let lit: Vec<f32> = samples.iter().map(|v| gain * v + offset).collect();
+            prop_assert!(distance(&signed(&plan, &samples), &signed(&plan, &lit)) < 1e-4);
+            let plan = SignaturePlan::new(rings, sectors, Taper::Radial, Normalise::Energy);
+            let lit: Vec<f32> = samples.iter().map(|v| gain * v).collect();
+            prop_assert!(distance(&signed(&plan, &samples), &signed(&plan, &lit)) < 1e-4);
+        }
+
+        #[test]
+        fn signatures_have_unit_length((rings, sectors, samples) in windows()) {
+            let plan = SignaturePlan::new(rings, sectors, Taper::Radial, Normalise::Contrast);
+            let length = signed(&plan, &samples).iter().map(|v| v * v).sum::<f32>().sqrt();
+            prop_assert!((length - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_literal_taper_feels_a_turn() {
+        // a fixed random 16 × 8 picture, as 8 rings of 16 sectors, turned by every sector
+        let samples: Vec<f32> = (0..128u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as f32).collect();
+        let largest = |taper| {
+            let plan = SignaturePlan::new(8, 16, taper, Normalise::Contrast);
+            let still = signed(&plan, &samples);
+            (1..16).map(|by| distance(&still, &signed(&plan, &shifted(&samples, 16, by)))).fold(0.0, f32::max)
+        };
+        let (radial, literal) = (largest(Taper::Radial), largest(Taper::Literal));
+        println!("largest change of the signature under turns: radial {radial:.1e}, literal {literal:.2}");
+        assert!(radial < 1e-5, "radial {radial}");
+        assert!(literal > 0.05, "literal {literal}");
+    }
+
+    #[test]
+    fn a_flat_window_shows_nothing() {
+        let plan = SignaturePlan::new(10, 32, Taper::Radial, Normalise::Contrast);
+        let flat: Vec<f32> = (0..320).map(|i| 127.3 + 1e-5 * (i % 3) as f32).collect();
+        assert!(signed(&plan, &flat).iter().all(|&v| v == 0.0));
+        for normalise in [Normalise::Energy, Normalise::None] {
+            let plan = SignaturePlan::new(10, 32, Taper::Radial, normalise);
+            assert!(signed(&plan, &[0.0; 320]).iter().all(|&v| v == 0.0));
+        }
+    }
+
+    #[test]
+    fn without_normalising_a_white_window_has_length_one() {
+        for (rings, sectors) in [(10, 32), (5, 7), (2, 4)] {
+            let plan = SignaturePlan::new(rings, sectors, Taper::Radial, Normalise::None);
+            let white = signed(&plan, &vec![255.0; rings * sectors]);
+            let length = white.iter().map(|v| v * v).sum::<f32>().sqrt();
+            assert!((length - 1.0).abs() < 1e-5, "{rings}×{sectors}: {length}");
+        }
+    }
+}

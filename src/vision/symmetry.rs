@@ -163,3 +163,134 @@ fn ln_1p(m: f32) -> f32 {
     let exponent = exponent as f32;
     exponent * std::f32::consts::LN_2 + (s * (half + series) - half + f)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Straight from the formula above, pixel by pixel and pair by pair, in f64 with angles.
+    fn direct(image: &Image, radius_px: usize) -> Image {
+        let (width, height) = (image.width(), image.height());
+        let gradient = gradient(image);
+        let edge = |x: isize, y: isize| {
+            let inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
+            if !inside {
+                return (0.0, 0.0);
+            }
+            let (gx, gy) = (
+                f64::from(gradient.x.at(x as usize, y as usize)),
+                f64::from(gradient.y.at(x as usize, y as usize)),
+            );
+            (gx.hypot(gy).ln_1p(), gy.atan2(gx))
+        };
+        let (radius, sigma) = (radius_px as isize, radius_px as f64 / 2.0);
+        Image::from_fn(width, height, |x, y| {
+            let (x, y) = (x as isize, y as isize);
+            let mut sum = 0.0;
+            for dy in -radius..=radius {
+                for dx in -radius..=radius {
+                    let distance = (dx as f64).hypot(dy as f64);
+                    if distance == 0.0 || distance > radius as f64 {
+                        continue;
+                    }
+                    let alpha = (dy as f64).atan2(dx as f64);
+                    let ((ri, ti), (rj, tj)) = (edge(x - dx, y - dy), edge(x + dx, y + dy));
+                    let facing = (1.0 - (ti + tj - 2.0 * alpha).cos()) * (1.0 - (ti - tj).cos());
+                    sum += 0.5 * (-distance / sigma).exp() * facing * ri * rj; // every pair is met twice
+                }
+            }
+            sum as f32
+        })
+    }
+
+    fn pictures() -> impl Strategy<Value = Image> {
+        (1usize..40, 1usize..14).prop_flat_map(|(width, height)| {
+            prop::collection::vec(0u8..=255, width * height).prop_map(move |levels| {
+                Image::new(width, height, levels.into_iter().map(f32::from).collect())
+            })
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn products_equal_the_formula(image in pictures(), radius_px in 2usize..8) {
+            let (fast, slow) = (symmetry_map(&image, radius_px), direct(&image, radius_px));
+            let highest = slow.pixels().iter().fold(1.0f32, |m, &v| m.max(v));
+            for (i, (a, b)) in fast.pixels().iter().zip(slow.pixels()).enumerate() {
+                prop_assert!((a - b).abs() < 1e-4 * highest, "pixel {i}: {a} is not {b}");
+            }
+        }
+
+        #[test]
+        fn a_quarter_turn_turns_the_map(image in pictures(), radius_px in 2usize..8) {
+            let (width, height) = (image.width(), image.height());
+            let turned = Image::from_fn(height, width, |x, y| image.at(y, height - 1 - x));
+            let (map, of_turned) = (symmetry_map(&image, radius_px), symmetry_map(&turned, radius_px));
+            let highest = map.pixels().iter().fold(1.0f32, |m, &v| m.max(v));
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                let difference = (map.at(x, y) - of_turned.at(height - 1 - y, x)).abs();
+                prop_assert!(difference < 1e-4 * highest);
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_spot_stands_out() {
+        let spot = Image::from_fn(31, 31, |x, y| {
+            let (dx, dy) = (x as f32 - 15.0, y as f32 - 15.0);
+            if dx * dx + dy * dy <= 16.0 { 220.0 } else { 30.0 }
+        });
+        let map = symmetry_map(&super::super::smoothed(&spot, 1.0), 6);
+        let best = (0..31 * 31).max_by(|&a, &b| map.pixels()[a].total_cmp(&map.pixels()[b])).unwrap();
+        assert_eq!((best % 31, best / 31), (15, 15));
+    }
+
+    #[test]
+    fn flat_and_tiny_pictures_are_calm_at_every_radius() {
+        for (width, height) in [(0, 0), (0, 5), (5, 0), (1, 1), (2, 1), (1, 9), (300, 1), (1, 300), (20, 20)]
+        {
+            let flat = Image::from_fn(width, height, |_, _| 128.0);
+            for radius_px in 2..=16 {
+                let map = symmetry_map(&flat, radius_px);
+                assert_eq!((map.width(), map.height()), (width, height));
+                assert!(map.pixels().iter().all(|&v| v == 0.0), "{width}×{height}, radius {radius_px}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_logarithm_is_near_enough() {
+        let mut m = 0.0_f64;
+        while m < 400.0 {
+            let error = (f64::from(ln_1p(m as f32)) - (m as f32 as f64).ln_1p()).abs();
+            assert!(error < 2e-7 * (m as f32 as f64).ln_1p().max(1.0), "ln(1 + {m}) is off by {error:e}");
+            m = m * 1.01 + 1e-4;
+        }
+    }
+
+    #[test]
+    fn vector_instructions_change_no_bit() {
+        let picture = Image::from_fn(61, 23, |x, y| ((x * x * 7 + y * 31 + x * y) % 251) as f32);
+        let gradient = gradient(&picture);
+        let mut plain = [[0.0; 61]; 3];
+        let mut wide = [[0.0; 61]; 3];
+        for row in 0..23 {
+            let (x, y) = (gradient.x.row(row), gradient.y.row(row));
+            let [a, b, c] = &mut plain;
+            rooted(x, y, a, b, c);
+            let [a, b, c] = &mut wide;
+            pulp::Arch::new().dispatch(|| rooted(x, y, a, b, c));
+            assert_eq!(plain, wide);
+        }
+        let pair = &pairs(6)[20];
+        let (mut a, mut b) = (vec![0.5; 61], vec![0.5; 61]);
+        let planes = [&plain[0][..], &plain[1][..], &plain[2][..]];
+        let turned = [&plain[1][..], &plain[2][..], &plain[0][..]];
+        pair.add(planes, turned, &mut a);
+        pulp::Arch::new().dispatch(|| pair.add(planes, turned, &mut b));
+        assert_eq!(a, b);
+    }
+}
