@@ -8,6 +8,7 @@ pub mod compute;
 pub mod config;
 pub mod database;
 pub mod eigen;
+pub mod evaluate;
 pub mod http;
 pub mod imaging;
 pub mod jobs;
