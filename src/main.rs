@@ -9,6 +9,7 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::{Parser, Subcommand};
 use landmarkd::config::{GivenSettings, Settings};
+use landmarkd::evaluate::EvaluateArgs;
 use landmarkd::{http, serve, telemetry};
 
 /// Robots ask where they are and what they see; the answer comes with its evidence.
@@ -29,6 +30,8 @@ enum Verb {
         #[command(flatten)]
         settings: GivenSettings,
     },
+    /// Train on a folder, recognise queries with known truth, and tell how often the answer was right
+    Evaluate(EvaluateArgs),
     /// Print the OpenAPI document
     Openapi,
     /// Succeed if the service at the address is ready
@@ -63,12 +66,31 @@ fn run(verb: Verb) -> anyhow::Result<()> {
             ))?;
             Ok(())
         }
+        Verb::Evaluate(args) => evaluate(&args),
         Verb::Openapi => {
             std::io::stdout().write_all(http::openapi::text().as_bytes())?;
             Ok(())
         }
         Verb::Healthcheck { bind } => runtime()?.block_on(healthcheck(bind)),
     }
+}
+
+fn evaluate(args: &EvaluateArgs) -> anyhow::Result<()> {
+    // Hidden where nobody looks on, so that a log holds the result alone.
+    let bar = indicatif::ProgressBar::new(0);
+    let evaluation = landmarkd::evaluate::evaluate(&args.request()?, &mut |done, total| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+    })?;
+    bar.finish_and_clear();
+    let mut out = std::io::stdout();
+    if args.json {
+        serde_json::to_writer(&mut out, &evaluation)?;
+        writeln!(out)?;
+    } else {
+        write!(out, "{evaluation}")?;
+    }
+    Ok(())
 }
 
 fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {

@@ -25,6 +25,10 @@ use crate::telemetry::{Metrics, chain};
 
 /// How often the catalogue is asked what the aliases name: a change made elsewhere is served this much later.
 const REFRESH_EVERY: Duration = Duration::from_secs(2);
+/// How often blobs that nothing names are looked for.
+const COLLECT_EVERY: Duration = Duration::from_secs(3600);
+/// A blob younger than this may belong to an upload whose row is still to come.
+const ORPHAN_AGE: Duration = Duration::from_secs(24 * 3600);
 /// How long requests in flight may take to end at shutdown.
 const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(20);
 
@@ -58,11 +62,12 @@ pub struct Parts {
     runner: Runner,
 }
 
-/// Open the stores in the data folder and wire the service over them.
+/// Open the stores in the data folder and wire the service over them. Its background work and its streams of events
+/// end when `shutdown` turns true.
 ///
 /// # Errors
 /// A folder in use or unwritable, or no threads.
-pub async fn wire(settings: &Settings) -> Result<Parts, ServeError> {
+pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Result<Parts, ServeError> {
     let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
     let limits = settings.limits.clone();
     let compute = Compute::new(settings.threads, limits.waiting_per_thread, limits.max_decode_bytes_total)?;
@@ -99,23 +104,42 @@ pub async fn wire(settings: &Settings) -> Result<Parts, ServeError> {
         started_at: Timestamp::now(),
         worker,
         ready: Arc::new(AtomicBool::new(false)),
+        shutdown,
     };
     Ok(Parts { service, runner })
 }
 
 impl Parts {
-    /// Start what runs in the background: the refresh of the registry, then the runner. They end when `shutdown`
-    /// turns true.
-    pub fn start(self, shutdown: watch::Receiver<bool>) -> (Service, JoinHandle<()>) {
+    /// Start what runs in the background: the refresh of the registry, the runner of jobs, the collector of orphans.
+    pub fn start(self) -> (Service, JoinHandle<()>) {
         let service = self.service.clone();
+        let shutdown = service.shutdown.clone();
         let background = tokio::spawn(async move {
             let runner = tokio::spawn(self.runner.run(shutdown.clone()));
+            let collector = tokio::spawn(collect_orphans(self.service.clone(), shutdown.clone()));
             refresh(self.service, shutdown).await;
-            if let Err(error) = runner.await {
-                tracing::error!(%error, "the job runner died");
+            for (name, task) in [("runner of jobs", runner), ("collector of orphans", collector)] {
+                if let Err(error) = task.await {
+                    tracing::error!(%error, name, "a background task died");
+                }
             }
         });
         (service, background)
+    }
+}
+
+/// Remove blobs that nothing names any more, until shutdown.
+async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) {
+    loop {
+        tokio::select! {
+            () = tokio::time::sleep(COLLECT_EVERY) => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+        match service.databases.collect_orphans(ORPHAN_AGE).await {
+            Ok(0) => {}
+            Ok(removed) => tracing::info!(removed, "removed blobs that nothing names"),
+            Err(error) => tracing::warn!(error = chain(&error), "can't collect orphan blobs"),
+        }
     }
 }
 
@@ -144,12 +168,12 @@ pub async fn serve(
     listening: impl FnOnce(SocketAddr),
     stop: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let parts = wire(settings).await?;
     let (announce, shutdown) = watch::channel(false);
+    let parts = wire(settings, shutdown).await?;
     let bind = settings.bind;
     let listener = std::net::TcpListener::bind(bind).map_err(|source| ServeError::Bind { bind, source })?;
     listener.set_nonblocking(true).map_err(|source| ServeError::Bind { bind, source })?;
-    let (service, background) = parts.start(shutdown);
+    let (service, background) = parts.start();
 
     let handle = Handle::new();
     let mut server = axum_server::from_tcp(listener)
@@ -176,7 +200,12 @@ pub async fn serve(
         announce.send_replace(true);
         handle.graceful_shutdown(Some(SHUTDOWN_PATIENCE));
     };
-    let (served, ()) = tokio::join!(served, stopping);
+    tokio::pin!(served);
+    let served = tokio::select! {
+        // It ends by itself only when it fails.
+        served = &mut served => served,
+        () = stopping => served.await,
+    };
     if let Err(error) = background.await {
         tracing::error!(%error, "the background work died");
     }

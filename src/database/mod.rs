@@ -15,6 +15,7 @@ pub mod registry;
 mod version;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
@@ -69,6 +70,11 @@ impl Databases {
     /// Whether the blob store answers.
     pub async fn ping_blobs(&self) -> Result<(), DatabaseError> {
         Ok(self.blobs.ping().await?)
+    }
+
+    /// Remove blobs older than `age` that neither an exemplar nor a version names, and count them.
+    pub async fn collect_orphans(&self, age: Duration) -> Result<u64, DatabaseError> {
+        Ok(self.blobs.collect_orphans(age, &*self.catalogue).await?)
     }
 
     /// Create a database, or find the one of that name; `true` when it is new. Options given for a database that

@@ -22,7 +22,7 @@ use super::options::{self, LandmarkOptionsBody};
 use super::pages::{self, Page};
 use super::problem::{Code, Problem};
 use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
-use crate::jobs::{Jobs, Promote, TrainingParams};
+use crate::jobs::{Promote, TrainingParams};
 
 /// Whether `current` moves to the new version.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
@@ -258,16 +258,19 @@ pub async fn events(
     };
     service.jobs.get(path.id).await?;
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
-    Ok(Sse::new(follow(service.jobs, path.id, after)).keep_alive(keep_alive).into_response())
+    Ok(Sse::new(follow(service, path.id, after)).keep_alive(keep_alive).into_response())
 }
 
-/// The events of a job after number `after`, up to its last.
-fn follow(jobs: Jobs, id: Uuid, after: i64) -> impl Stream<Item = Result<Event, Infallible>> {
+/// The events of a job after number `after`, up to its last, or to shutdown.
+fn follow(service: Service, id: Uuid, after: i64) -> impl Stream<Item = Result<Event, Infallible>> {
     let rows = stream::unfold(Some(after), move |after| {
-        let jobs = jobs.clone();
+        let (jobs, mut shutdown) = (service.jobs.clone(), service.shutdown.clone());
         async move {
-            // With the catalogue away the stream ends; the client resumes with Last-Event-ID.
-            let rows = jobs.events_after(id, after?).await.ok()?;
+            // With the catalogue away the stream ends too; the client resumes with Last-Event-ID.
+            let rows = tokio::select! {
+                rows = jobs.events_after(id, after?) => rows.ok()?,
+                _ = shutdown.wait_for(|stop| *stop) => return None,
+            };
             let next = match rows.last() {
                 Some(last) if !last.body.state.is_terminal() => Some(last.sequence),
                 _ => None,

@@ -29,6 +29,7 @@ use axum::http::HeaderValue;
 use axum::http::header::{CACHE_CONTROL, X_CONTENT_TYPE_OPTIONS};
 use axum::{Router, middleware};
 use jiff::Timestamp;
+use tokio::sync::watch;
 use tower_http::set_header::SetResponseHeaderLayer;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -55,6 +56,8 @@ pub struct Service {
     pub worker: Arc<str>,
     /// True from the first complete load of the registry until shutdown.
     pub ready: Arc<AtomicBool>,
+    /// Turns true when the service shuts down: endless answers end.
+    pub shutdown: watch::Receiver<bool>,
 }
 
 fn routes() -> OpenApiRouter<Service> {
