@@ -458,6 +458,15 @@ fn text_of(document: &Map<String, Value>) -> String {
 
 /// How many confused pairs and skipped pictures the table names; the JSON has them all.
 const LISTED: usize = 12;
+const PAIRS_A_LINE: usize = 3;
+
+impl fmt::Display for Confusion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Confusion { shown, named, times } = self;
+        write!(f, "{shown} as {}", named.as_deref().unwrap_or("nothing"))?;
+        if *times > 1 { write!(f, " ({times})") } else { Ok(()) }
+    }
+}
 
 impl fmt::Display for Evaluation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -487,10 +496,9 @@ impl fmt::Display for Evaluation {
             let Times { p50_ms, p95_ms } = times;
             rows(f, name, &format_args!("{p50_ms:.2} ms a picture (p95 {p95_ms:.2}), one thread"))?;
         }
-        for (n, pair) in self.confusion.iter().take(LISTED).enumerate() {
-            let name = if n == 0 { "confused" } else { "" };
-            let named = pair.named.as_deref().unwrap_or("nothing");
-            rows(f, name, &format_args!("{} taken for {named}, {} times", pair.shown, pair.times))?;
+        let listed: Vec<String> = self.confusion.iter().take(LISTED).map(Confusion::to_string).collect();
+        for (n, pairs) in listed.chunks(PAIRS_A_LINE).enumerate() {
+            rows(f, if n == 0 { "confused" } else { "" }, &pairs.join(", "))?;
         }
         if self.confusion.len() > LISTED {
             rows(f, "", &format_args!("and {} pairs more", self.confusion.len() - LISTED))?;
@@ -564,6 +572,7 @@ mod tests {
         let evaluation = evaluated(&train, &queries);
         assert_eq!(evaluation.top_1, Rate::of(1, 2));
         let pair = Confusion { shown: "lab".into(), named: Some("hall".into()), times: 1 };
+        assert!(evaluation.to_string().contains("confused      lab as hall\n"), "{evaluation}");
         assert_eq!(evaluation.confusion, [pair]);
         assert_eq!(evaluation.rejection, None);
     }

@@ -1,0 +1,18 @@
+//! The papers' claims as executable sentences, on real pictures.
+//!
+//! The pictures are read from the folder that the environment variable `LANDMARKD_DATA` names; without it each
+//! claim says that it was skipped. Trials are drawn with fixed seeds, so that every run sees the same frames.
+//! Run with `cargo test --release --test claims -- --nocapture` to see the figures.
+
+#[path = "claims/composites.rs"]
+mod composites;
+#[path = "claims/data.rs"]
+mod data;
+#[path = "claims/objects.rs"]
+mod objects;
+#[path = "claims/places.rs"]
+mod places;
+#[path = "claims/random.rs"]
+mod random;
+#[path = "claims/trials.rs"]
+mod trials;

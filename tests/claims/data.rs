@@ -1,0 +1,72 @@
+//! The real pictures: turntable objects, photographs, frames of a walk through a building.
+
+use std::collections::BTreeMap;
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
+
+/// The data folder; says so and is `None` when the variable isn't set.
+pub fn folder() -> Option<PathBuf> {
+    let folder = env::var_os("LANDMARKD_DATA").map(PathBuf::from);
+    if folder.is_none() {
+        println!("skipped: LANDMARKD_DATA is not set");
+    }
+    folder
+}
+
+fn read(path: &Path) -> Frame {
+    let bytes = fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    decode(&bytes, &DecodeLimits::default()).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// An object of COIL-20 (1..=20) at a pose that is a multiple of 5 degrees: gray, 128 × 128, on black.
+pub fn coil_20(folder: &Path, object: usize, pose_deg: usize) -> Image {
+    read(&folder.join(format!("coil-20/images/obj{object}__{}.png", pose_deg / 5))).luminance
+}
+
+/// All photographs, gray, in the order of their names.
+pub fn photographs(folder: &Path) -> Vec<Image> {
+    let listed = fs::read_dir(folder.join("backgrounds")).expect("the photographs are there");
+    let mut paths: Vec<PathBuf> = listed.map(|entry| entry.expect("an entry").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "png" || e == "jpg"));
+    paths.sort();
+    paths.iter().map(|path| read(path).luminance).collect()
+}
+
+/// One clip of the tower: its frames, one a second.
+pub struct Clip {
+    frames: BTreeMap<u32, PathBuf>,
+}
+
+impl Clip {
+    /// The second in the middle of the clip.
+    pub fn middle_s(&self) -> u32 {
+        let seconds: Vec<&u32> = self.frames.keys().collect();
+        *seconds[seconds.len() / 2]
+    }
+
+    /// The frame of a second, if the clip has it.
+    pub fn frame(&self, second: u32) -> Option<Frame> {
+        self.frames.get(&second).map(|path| read(path))
+    }
+}
+
+/// The longest clips of the tower, in the order of their names; of equally long ones the first by name.
+pub fn tower_clips(folder: &Path, count: usize) -> Vec<Clip> {
+    let root = folder.join("vpr-ie-tower");
+    let table = fs::read_to_string(root.join("ground_truth.csv")).expect("the table is there");
+    let mut clips: BTreeMap<&str, BTreeMap<u32, PathBuf>> = BTreeMap::new();
+    for line in table.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        let [image, _floor, clip, second, ..] = fields[..] else { panic!("not a row: {line}") };
+        let second = second.trim().parse().expect("a second");
+        clips.entry(clip).or_default().insert(second, root.join(image));
+    }
+    let mut longest: Vec<_> = clips.into_iter().collect();
+    longest.sort_by_key(|(name, frames)| (std::cmp::Reverse(frames.len()), *name));
+    longest.truncate(count);
+    longest.sort_by_key(|(name, _)| *name);
+    longest.into_iter().map(|(_, frames)| Clip { frames }).collect()
+}
