@@ -1,0 +1,159 @@
+//! What the pages say about the code is there: problem codes, settings, files, tests, links.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use landmarkd::http::problem::Code;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Every file with this ending below a folder.
+fn files_below(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let paths = entries.map(|entry| entry.expect("the folder is listed").path());
+    paths
+        .flat_map(|path| match path.is_dir() {
+            true => files_below(&path, ending),
+            false => Vec::from_iter(path.extension().is_some_and(|found| found == ending).then_some(path)),
+        })
+        .collect()
+}
+
+/// The cells of the rows of the one table of a page that has this head, without head and rule.
+fn table(page: &str, head: &[&str]) -> Vec<Vec<String>> {
+    let cells = |line: &str| -> Vec<String> {
+        let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
+        inner.split(" | ").map(|cell| cell.trim().to_owned()).collect()
+    };
+    let text = read(page);
+    let mut lines = text.lines().skip_while(|line| !line.starts_with('|') || cells(line) != head);
+    assert!(lines.next().is_some(), "{page} has no table {head:?}");
+    lines.skip(1).take_while(|line| line.starts_with('|')).map(cells).collect()
+}
+
+/// What stands between backquotes.
+fn code_spans(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn every_problem_code_stands_in_the_table_with_its_status_and_no_other() {
+    let table = table("docs/operating.md", &["code", "status", "what to do"]);
+    let written: BTreeSet<(String, u16)> = table
+        .iter()
+        .map(|row| (row[0].trim_matches('`').to_owned(), row[1].parse().expect("a status is a number")))
+        .collect();
+    let known: BTreeSet<(String, u16)> =
+        Code::ALL.iter().map(|code| (code.word().to_owned(), code.status().as_u16())).collect();
+    let differing: Vec<_> = written.symmetric_difference(&known).collect();
+    assert!(differing.is_empty(), "in the table or in the code, not in both: {differing:?}");
+    assert_eq!(written.len(), table.len(), "each code stands once");
+    assert!(table.iter().all(|row| row.len() == 3 && row[2].ends_with('.')), "each says what to do");
+}
+
+#[test]
+fn every_setting_stands_in_the_table_and_no_other() {
+    let sources = read("src/config.rs") + &read("src/main.rs");
+    let known: BTreeSet<&str> =
+        sources.split("env = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(known.contains("LANDMARKD_BIND"), "settings are found by their attribute");
+    let table = table("docs/operating.md", &["flag", "environment", "default", "range", "what"]);
+    let written: BTreeSet<&str> = table.iter().map(|row| row[1].trim_matches('`')).collect();
+    let differing: Vec<_> = written.symmetric_difference(&known).collect();
+    assert!(differing.is_empty(), "in the table or in the code, not in both: {differing:?}");
+    for row in &table {
+        let flag = row[0].trim_matches('`').trim_start_matches("--").replace('-', "_").to_uppercase();
+        assert_eq!(row[1], format!("`LANDMARKD_{flag}`"), "flag and variable have one name");
+    }
+}
+
+#[test]
+fn every_file_of_the_map_is_there() {
+    let page = read("ARCHITECTURE.md");
+    let map = page.split("## Map").nth(1).and_then(|rest| rest.split("```").nth(1)).expect("there is a map");
+    let mut above: Vec<&str> = Vec::new();
+    let mut named = BTreeSet::new();
+    for line in map.lines().skip(1) {
+        let name = line.split_whitespace().next().expect("no line of the map is empty");
+        let depth = (line.len() - line.trim_start().len()) / 2;
+        above.truncate(depth);
+        assert_eq!(above.len(), depth, "{line:?} is indented by two a folder");
+        let path = above.concat() + name;
+        let there = root().join(&path);
+        assert!(if name.ends_with('/') { there.is_dir() } else { there.is_file() }, "{path} isn't there");
+        named.insert(path);
+        above.push(name);
+    }
+    let rooms = fs::read_dir(root().join("src")).expect("src is there").map(|entry| {
+        let entry = entry.expect("src is listed");
+        let slash = if entry.path().is_dir() { "/" } else { "" };
+        format!("src/{}{slash}", entry.file_name().to_string_lossy())
+    });
+    let missing: Vec<String> = rooms.filter(|room| !named.contains(room)).collect();
+    assert!(missing.is_empty(), "the map lacks {missing:?}");
+}
+
+#[test]
+fn every_test_that_the_ledger_names_is_a_test() {
+    let files =
+        files_below(&root().join("src"), "rs").into_iter().chain(files_below(&root().join("tests"), "rs"));
+    let mut tests = BTreeSet::new();
+    for file in files {
+        let text = read(file);
+        let mut marked = false;
+        for line in text.lines().map(str::trim) {
+            if line == "#[test]" || line.starts_with("#[tokio::test") {
+                marked = true;
+            } else if let Some(rest) = line.strip_prefix("async fn ").or(line.strip_prefix("fn ")) {
+                if marked {
+                    tests.insert(rest.split('(').next().unwrap_or_default().to_owned());
+                }
+                marked = false;
+            }
+        }
+    }
+    let head = ["where", "what the text says", "wrong or open", "what is done", "shown by"];
+    let ledger = table("docs/papers.md", &head);
+    let named: Vec<&str> =
+        ledger.iter().flat_map(|row| code_spans(row.last().expect("a row has cells"))).collect();
+    assert!(named.len() > ledger.len(), "the ledger names its tests");
+    let missing: Vec<&str> = named.into_iter().filter(|&name| !tests.contains(name)).collect();
+    assert!(missing.is_empty(), "no such tests: {missing:?}");
+}
+
+#[test]
+fn every_file_that_the_ledger_names_is_there() {
+    let page = read("docs/papers.md");
+    let paths = code_spans(&page).filter(|span| span.ends_with(".rs"));
+    let missing: Vec<&str> = paths
+        .filter(|path| !root().join(path).is_file() && !root().join("src").join(path).is_file())
+        .collect();
+    assert!(missing.is_empty(), "no such files: {missing:?}");
+}
+
+#[test]
+fn relative_links_lead_somewhere() {
+    for page in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/operating.md", "docs/papers.md"] {
+        let text = read(page);
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        let folder = root().join(page).parent().expect("a page stands in a folder").to_owned();
+        let broken: Vec<&str> =
+            links.filter(|link| !link.contains("://") && !folder.join(link).exists()).collect();
+        assert!(broken.is_empty(), "{page} links to {broken:?}");
+    }
+}
+
+#[test]
+fn the_changelog_counts_the_packages() {
+    let packages = read("Cargo.lock").lines().filter(|line| *line == "[[package]]").count();
+    let counted = format!("{packages} packages in `Cargo.lock`");
+    assert!(read("CHANGELOG.md").contains(&counted), "CHANGELOG.md should say: {counted}");
+}
