@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(digest, inputs_digest(Kind::Landmarks, "{}", &[b.clone(), a.clone()]));
         for other in [
             inputs_digest(Kind::Landmarks, "{1}", &[a.clone(), b.clone()]),
-            inputs_digest(Kind::Landmarks, "{}", &[a.clone()]),
+            inputs_digest(Kind::Landmarks, "{}", std::slice::from_ref(&a)),
             inputs_digest(Kind::Landmarks, "{}", &[a.clone(), row("cup", "11", Some(6.0))]),
             inputs_digest(Kind::Landmarks, "{}", &[row("can", "00", None), b]),
         ] {

@@ -56,9 +56,9 @@ fn range(text: &str) -> Option<(String, f32)> {
 mod tests {
     use super::*;
 
-    fn chosen(accept: &str) -> Result<&'static str, u16> {
+    fn chosen(accept: &str) -> Result<&'static str, Code> {
         let headers = HeaderMap::from_iter([(header::ACCEPT, accept.parse().unwrap())]);
-        choose(&headers, &["application/json", "image/png"]).map_err(|problem| problem.status)
+        choose(&headers, &["application/json", "image/png"]).map_err(|problem| problem.code)
     }
 
     #[test]
@@ -69,6 +69,6 @@ mod tests {
         assert_eq!(chosen("image/*"), Ok("image/png"));
         assert_eq!(chosen("application/json;q=0.5, image/png"), Ok("image/png"));
         assert_eq!(chosen("image/png;q=0, */*"), Ok("application/json"));
-        assert_eq!(chosen("text/html"), Err(406));
+        assert_eq!(chosen("text/html"), Err(Code::NotAcceptable));
     }
 }

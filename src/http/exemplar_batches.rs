@@ -17,7 +17,7 @@ use uuid::Uuid;
 use super::databases::DatabasePath;
 use super::exemplars::pose;
 use super::extract::{Path, essence, from_json};
-use super::problem::{Code, Problem};
+use super::problem::{Code, Problem, ProblemBody};
 use super::uploads::{Form, Picture, RobotHeader};
 use super::{Service, body};
 use crate::database::{FrameHeader, Name};
@@ -63,7 +63,7 @@ pub struct BatchItem {
     pub id: Option<Uuid>,
     /// Why it was rejected.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub problem: Option<Problem>,
+    pub problem: Option<ProblemBody>,
 }
 
 /// Whether a file became an exemplar.
@@ -82,8 +82,8 @@ impl BatchBody {
         let (status, id, problem) = match outcome {
             Ok((id, true)) => (ItemStatus::Created, Some(id), None),
             Ok((id, false)) => (ItemStatus::Duplicate, Some(id), None),
-            Err(problem) if problem.status >= 500 => return Err(problem),
-            Err(problem) => (ItemStatus::Rejected, None, Some(problem)),
+            Err(problem) if problem.code.status().is_server_error() => return Err(problem),
+            Err(problem) => (ItemStatus::Rejected, None, Some(problem.into())),
         };
         match status {
             ItemStatus::Created => self.created += 1,

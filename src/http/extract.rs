@@ -154,17 +154,17 @@ mod tests {
     #[test]
     fn a_wrong_field_is_pointed_to_and_broken_json_is_malformed() {
         let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":1},{"n":300}]}"#)).unwrap_err();
-        assert_eq!((problem.status, problem.errors[0].pointer.as_str()), (422, "/inner/1/n"));
+        assert_eq!((problem.code, problem.errors[0].pointer.as_str()), (Code::InvalidField, "/inner/1/n"));
         let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":"#)).unwrap_err();
-        assert_eq!(problem.status, 400);
+        assert_eq!(problem.code, Code::MalformedRequest);
         let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":300}"#)).unwrap_err();
-        assert_eq!(problem.status, 400);
+        assert_eq!(problem.code, Code::MalformedRequest);
     }
 
     #[test]
     fn deep_nesting_is_refused_and_brackets_in_strings_do_not_count() {
         assert_eq!(nesting(br#"{"a":"[[[[\"[[","b":[{}]}"#), 3);
         let deep = Bytes::from("[".repeat(5000));
-        assert_eq!(from_json::<serde_json::Value>(&deep).unwrap_err().status, 400);
+        assert_eq!(from_json::<serde_json::Value>(&deep).unwrap_err().code, Code::MalformedRequest);
     }
 }

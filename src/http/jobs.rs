@@ -20,7 +20,7 @@ use super::databases::{DatabasePath, read_options};
 use super::extract::{Json as JsonIn, Path, Query};
 use super::options::{self, LandmarkOptionsBody};
 use super::pages::{self, Page};
-use super::problem::{Code, Problem};
+use super::problem::{Code, Problem, ProblemBody};
 use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
 use crate::jobs::{Promote, TrainingParams};
 
@@ -62,7 +62,7 @@ pub struct JobBody {
     pub version: Option<i64>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub problem: Option<Problem>,
+    pub problem: Option<ProblemBody>,
     /// Who does it, or did it last.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worker: Option<String>,
@@ -133,7 +133,7 @@ impl From<JobRow> for JobBody {
                 total: progress.total,
             }),
             version: row.version,
-            problem: row.problem.as_deref().map(Problem::of_job),
+            problem: row.problem.as_deref().map(|kept| Problem::of_job(kept).into()),
             worker: row.owner,
             attempts: row.attempts,
             created_at: row.created_at,

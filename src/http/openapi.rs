@@ -4,7 +4,7 @@ use utoipa::OpenApi;
 use utoipa::openapi::path::Operation;
 use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder};
 
-use super::problem::Problem;
+use super::problem::ProblemBody;
 use super::routes;
 
 #[derive(OpenApi)]
@@ -16,7 +16,7 @@ use super::routes;
                        centre of the top-left pixel. Errors are RFC 9457 problem documents.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
-    components(schemas(Problem)),
+    components(schemas(ProblemBody)),
     tags(
         (name = "service", description = "Is it alive, what can it do"),
         (name = "databases", description = "Exemplars, versions and aliases under a name"),

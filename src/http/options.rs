@@ -206,7 +206,7 @@ mod tests {
         let mut at: Vec<&str> = problem.errors.iter().map(|error| error.pointer.as_str()).collect();
         at.sort_unstable();
         assert_eq!(at, ["/options/epsilon", "/options/ringz", "/options/sectors", "/options/taper"]);
-        assert_eq!(problem.status, 422);
+        assert_eq!(problem.code, Code::InvalidField);
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn words_still_to_come_are_told_apart_from_mistakes() {
         let problem = over_default(serde_json::json!({"method": "placement"})).unwrap_err();
-        assert_eq!((problem.code.as_str(), problem.status), ("not_yet", 422));
+        assert_eq!(problem.code, Code::NotYet);
         assert_eq!(problem.errors[0].pointer, "/options/method");
     }
 }

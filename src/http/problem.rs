@@ -92,15 +92,28 @@ pub struct FieldError {
     pub detail: String,
 }
 
+/// What went wrong with a call, and what to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The kind of problem.
+    pub code: Code,
+    /// What happened here, and what to do.
+    pub detail: String,
+    /// The fields at fault.
+    pub errors: Vec<FieldError>,
+    retry_after_s: Option<u64>,
+}
+
 /// A problem document, `application/problem+json`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-pub struct Problem {
+#[schema(as = Problem)]
+pub struct ProblemBody {
     /// The kind of problem, as a URN.
     #[serde(rename = "type")]
     #[schema(example = "urn:landmarkd:problem:not_trained")]
     pub kind: String,
     /// One line on the kind of problem.
-    pub title: String,
+    pub title: &'static str,
     /// The HTTP status.
     #[schema(example = 409)]
     pub status: u16,
@@ -108,31 +121,36 @@ pub struct Problem {
     pub detail: String,
     /// The kind of problem, for programs.
     #[schema(example = "not_trained")]
-    pub code: String,
+    pub code: &'static str,
     /// The request's id, as in `X-Request-Id`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub request_id: Option<String>,
     /// The fields at fault.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<FieldError>,
-    #[serde(skip)]
-    #[schema(ignore)]
-    retry_after_s: Option<u64>,
+}
+
+/// The document of a problem that is told inside another answer, which has the request's id itself.
+impl From<Problem> for ProblemBody {
+    fn from(problem: Problem) -> Self {
+        let code = problem.code;
+        Self {
+            kind: format!("urn:landmarkd:problem:{}", code.word()),
+            title: code.title(),
+            status: code.status().as_u16(),
+            detail: problem.detail,
+            code: code.word(),
+            request_id: None,
+            errors: problem.errors,
+        }
+    }
 }
 
 impl Problem {
     /// A problem of this kind.
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
-        Self {
-            kind: format!("urn:landmarkd:problem:{}", code.word()),
-            title: code.title().into(),
-            status: code.status().as_u16(),
-            detail: detail.into(),
-            code: code.word().into(),
-            request_id: None,
-            errors: Vec::new(),
-            retry_after_s: (code.status() == StatusCode::SERVICE_UNAVAILABLE).then_some(1),
-        }
+        let retry_after_s = (code.status() == StatusCode::SERVICE_UNAVAILABLE).then_some(1);
+        Self { code, detail: detail.into(), errors: Vec::new(), retry_after_s }
     }
 
     /// Fields at fault, all of them.
@@ -168,16 +186,10 @@ impl Problem {
         )
     }
 
-    /// The document with the request's id.
-    pub fn with_request_id(self, request_id: Option<String>) -> Self {
-        Self { request_id, ..self }
-    }
-
-    /// The document as a response body. The rim calls this once it knows the request's id.
-    pub fn render(self) -> Response {
-        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let retry_after = self.retry_after_s;
-        let mut response = (status, Json(self)).into_response();
+    /// The document as a response. The rim calls this: it knows the request's id.
+    pub fn render(self, request_id: Option<String>) -> Response {
+        let (status, retry_after) = (self.code.status(), self.retry_after_s);
+        let mut response = (status, Json(ProblemBody { request_id, ..self.into() })).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         if let Some(seconds) = retry_after {
@@ -190,8 +202,7 @@ impl Problem {
 /// Leaves the document in the response's extensions; the rim renders it with the request's id.
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let mut response = status.into_response();
+        let mut response = self.code.status().into_response();
         response.extensions_mut().insert(self);
         response
     }
@@ -313,7 +324,7 @@ mod tests {
     #[test]
     fn every_unavailable_answer_says_when_to_come_back() {
         for code in Code::ALL {
-            let response = Problem::new(*code, "x").render();
+            let response = Problem::new(*code, "x").render(None);
             let says = response.headers().contains_key(header::RETRY_AFTER);
             assert_eq!(says, response.status() == StatusCode::SERVICE_UNAVAILABLE, "{}", code.word());
         }

@@ -15,7 +15,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::databases::{DatabasePath, KindWord};
 use super::exemplars::ImageForm;
 use super::extract::{Path, Query};
-use super::problem::Problem;
+use super::problem::{Problem, ProblemBody};
 use super::uploads::{Form, HeaderEcho, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
@@ -131,7 +131,7 @@ pub struct TimingsBody {
 #[serde(untagged)]
 pub enum BatchItem {
     Recognition(Box<RecognitionBody>),
-    Failed { problem: Problem },
+    Failed { problem: ProblemBody },
 }
 
 /// The answers to a batch, in the order of its pictures.
@@ -395,6 +395,6 @@ pub async fn post_batch(
 fn item(done: Result<RecognitionBody, Problem>) -> BatchItem {
     match done {
         Ok(body) => BatchItem::Recognition(Box::new(body)),
-        Err(problem) => BatchItem::Failed { problem },
+        Err(problem) => BatchItem::Failed { problem: problem.into() },
     }
 }

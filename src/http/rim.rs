@@ -52,7 +52,7 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
     };
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         let held = std::mem::take(response.headers_mut());
-        response = problem.with_request_id(Some(request_id.clone())).render();
+        response = problem.render(Some(request_id.clone()));
         // Headers that the handler or the router set (Allow) stay; ours win.
         for (name, value) in held {
             if let Some(name) = name.filter(|name| !response.headers().contains_key(name)) {
