@@ -54,7 +54,7 @@ words!(PerLabel, PerLabelWord, { Best, Sum });
 
 /// Landmark options as they are kept. The order of the members is the order in the document and in digests.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 struct LandmarkDocument {
     method: MethodWord,
     viewpoint: ViewpointWord,
@@ -88,25 +88,37 @@ pub enum DocumentError {
 
 /// Landmark options as one line of JSON: the same options always give the same text.
 pub fn to_document(options: &LandmarkOptions) -> String {
-    let document = LandmarkDocument {
-        method: options.method.into(),
-        viewpoint: options.viewpoint.into(),
-        operator: options.operator.into(),
-        symmetry_radius_px: options.symmetry_radius_px,
-        interest_points: options.interest_points,
-        query_points: options.query_points,
-        subwindow_radius_px: options.subwindow_radius_px,
-        rings: options.rings,
-        sectors: options.sectors,
-        taper: options.taper.into(),
-        normalise: options.normalise.into(),
-        colour: options.colour.into(),
-        dimension: options.dimension,
-        neighbours: options.neighbours,
-        epsilon: options.epsilon,
-        per_label: options.per_label.into(),
-    };
-    serde_json::to_string(&document).expect("numbers and words always serialise")
+    serde_json::to_string(&LandmarkDocument::from(options)).expect("numbers and words always serialise")
+}
+
+impl From<&LandmarkOptions> for LandmarkDocument {
+    fn from(options: &LandmarkOptions) -> Self {
+        Self {
+            method: options.method.into(),
+            viewpoint: options.viewpoint.into(),
+            operator: options.operator.into(),
+            symmetry_radius_px: options.symmetry_radius_px,
+            interest_points: options.interest_points,
+            query_points: options.query_points,
+            subwindow_radius_px: options.subwindow_radius_px,
+            rings: options.rings,
+            sectors: options.sectors,
+            taper: options.taper.into(),
+            normalise: options.normalise.into(),
+            colour: options.colour.into(),
+            dimension: options.dimension,
+            neighbours: options.neighbours,
+            epsilon: options.epsilon,
+            per_label: options.per_label.into(),
+        }
+    }
+}
+
+/// What is absent in a kept document: the default of the release that added the option.
+impl Default for LandmarkDocument {
+    fn default() -> Self {
+        Self::from(&LandmarkOptions::default())
+    }
 }
 
 /// Read a kept document back.
@@ -159,6 +171,14 @@ mod tests {
         let text = to_document(&LandmarkOptions::default()).replace(r#""rings":"#, r#""rings":9"#);
         let error = from_document(&text).unwrap_err();
         assert!(error.to_string().contains("rings"), "{error}");
-        assert!(matches!(from_document("{}"), Err(DocumentError::Malformed { .. })));
+        assert!(matches!(from_document("{"), Err(DocumentError::Malformed { .. })));
+    }
+
+    #[test]
+    fn an_older_document_without_an_option_is_still_read() {
+        let text = to_document(&LandmarkOptions { rings: 12, ..Default::default() });
+        let older = text.replace(r#","per_label":"best""#, "");
+        assert_ne!(older, text);
+        assert_eq!(from_document(&older).unwrap().rings, 12);
     }
 }

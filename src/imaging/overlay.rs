@@ -82,6 +82,11 @@ impl Overlay {
         }
     }
 
+    /// Distance between lines of text that don't touch, in pixels of the frame.
+    pub fn line_height_px(&self) -> f32 {
+        (self.font.character_size.height + 4) as f32 / self.enlargement as f32
+    }
+
     /// Words with their top-left corner at (x, y), on a dark backing so that they are readable on any
     /// ground, moved inwards where they would leave the frame. Letters outside Latin-1 become `?`.
     pub fn text(&mut self, x_px: f32, y_px: f32, words: &str, colour: [u8; 3]) {

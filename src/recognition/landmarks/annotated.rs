@@ -11,8 +11,6 @@ const FOR_OTHERS: [u8; 3] = [240, 150, 40];
 const TEXT: [u8; 3] = [255, 255, 255];
 /// Lines of the list of votes.
 const LINES: usize = 3;
-/// Height of a line of text, in pixels of the frame.
-const LINE_PX: f32 = 12.0;
 
 /// Draw a circle of the sub-window's radius around each point that voted, and the best votes as text.
 ///
@@ -28,7 +26,8 @@ pub fn annotate(frame: &Frame, recognition: &Recognition, model: &Landmarks) -> 
     }
     for (line, vote) in recognition.votes.iter().take(LINES).enumerate() {
         let words = format!("{}  {:.0}%  {} points", vote.label, 100.0 * vote.share, vote.points);
-        overlay.text(4.0, 4.0 + LINE_PX * line as f32, &words, TEXT);
+        let top_px = overlay.line_height_px() * (line as f32 + 0.25);
+        overlay.text(4.0, top_px, &words, TEXT);
     }
     overlay
 }
