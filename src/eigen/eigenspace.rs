@@ -8,6 +8,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par, Side};
+use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
 
 /// Directions with less than this part of the largest eigenvalue are null: nothing but rounding.
@@ -138,22 +139,34 @@ impl Eigenspace {
             }
         }
         let mut points = vec![0.0; vectors.len() / length * dimension];
-        pulp::Arch::new().dispatch(|| {
-            for (vector, point) in vectors.chunks_exact(length).zip(points.chunks_exact_mut(dimension)) {
-                project_one(vector, &self.mean, &across, point);
-            }
-        });
+        Arch::new().dispatch(Project { vectors, mean: &self.mean, across: &across, points: &mut points });
         points
     }
 }
 
-/// point = basis · (vector − mean), with the basis column by column. A§4.1
-#[inline(always)]
-fn project_one(vector: &[f32], mean: &[f32], across: &[f32], point: &mut [f32]) {
-    for ((v, m), column) in vector.iter().zip(mean).zip(across.chunks_exact(point.len())) {
-        let centred = v - m;
-        for (coordinate, b) in point.iter_mut().zip(column) {
-            *coordinate += centred * b;
+/// points = basis · (vectors − mean), with the basis column by column. A§4.1
+struct Project<'a> {
+    vectors: &'a [f32],
+    mean: &'a [f32],
+    across: &'a [f32],
+    points: &'a mut [f32],
+}
+
+impl WithSimd for Project<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let length = self.mean.len();
+        let dimension = self.across.len() / length;
+        let vectors = self.vectors.chunks_exact(length);
+        for (vector, point) in vectors.zip(self.points.chunks_exact_mut(dimension)) {
+            for ((v, m), column) in vector.iter().zip(self.mean).zip(self.across.chunks_exact(dimension)) {
+                let centred = v - m;
+                for (coordinate, b) in point.iter_mut().zip(column) {
+                    *coordinate += centred * b;
+                }
+            }
         }
     }
 }

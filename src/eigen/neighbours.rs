@@ -7,9 +7,20 @@
 use std::cmp::Ordering;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use pulp::{Arch, Simd, WithSimd};
 
-/// A tree is built from this many different eigenpoints on.
-const TREE_FROM_POINTS: usize = 20_000;
+/// A tree is asked for up to this many coordinates, and from this many different eigenpoints on.
+///
+/// Measured by `benches/search.rs` for 64 queries, half of them new, in ms, tree / looking at all:
+///
+/// | coordinates | 1280 | 10 000 | 100 000 eigenpoints |
+/// | --- | --- | --- | --- |
+/// | 8 | 0.21 / 0.10 | 0.43 / 0.71 | 1.2 / 8.3 |
+/// | 16 | 0.58 / 0.18 | 3.3 / 1.2 | 15.8 / 10.0 |
+/// | 32 | 0.99 / 0.21 | 6.2 / 2.0 | 92 / 22 |
+/// | 64 | 3.3 / 0.35 | 18 / 3.8 | 258 / 38 |
+const TREE_TO_DIMENSION: usize = 8;
+const TREE_FROM_POINTS: usize = 10_000;
 /// Eigenpoints compared at a time: 64 partial sums are 8 vector registers' worth, half of AVX2's.
 const LANES: usize = 64;
 /// Coordinates taken at a time; tiles are padded with zeros to a multiple.
@@ -41,7 +52,7 @@ impl EigenpointIndex {
     pub fn new(points: Vec<f32>, dimension: usize) -> Self {
         let count = points.len() / dimension.max(1);
         let mut index = EigenpointIndex::exhaustive(points, dimension);
-        if count >= TREE_FROM_POINTS {
+        if dimension <= TREE_TO_DIMENSION && count >= TREE_FROM_POINTS {
             let different = index.different();
             if different.len() >= TREE_FROM_POINTS {
                 index.tree = Tree::new(&index.points, dimension, &different);
@@ -116,11 +127,8 @@ impl EigenpointIndex {
         // a tile stays in the first cache while all queries pass over it
         let mut best = vec![(f32::INFINITY, 0); count];
         for (number, tile) in self.tiles.chunks_exact(padded * LANES).enumerate() {
-            pulp::Arch::new().dispatch(|| {
-                for (query, best) in spread.chunks_exact(padded).zip(&mut best) {
-                    nearest_in_tile(tile, query, number * LANES, best);
-                }
-            });
+            let first = number * LANES;
+            Arch::new().dispatch(NearestInTile { tile, first, queries: &spread, best: &mut best });
         }
         let queries = queries.chunks_exact(self.dimension).zip(best);
         queries.map(|(query, (_, index))| self.neighbour(query, index)).collect()
@@ -168,9 +176,43 @@ fn tiles(points: &[f32], dimension: usize) -> Vec<f32> {
     tiles
 }
 
-/// Lower `best` (squared distance, index) if the tile holds something nearer.
+/// Lower each query's best (squared distance, index) if the tile holds something nearer.
+struct NearestInTile<'a> {
+    tile: &'a [f32],
+    /// Index of the tile's first eigenpoint.
+    first: usize,
+    queries: &'a [f32],
+    best: &'a mut [(f32, usize)],
+}
+
+impl WithSimd for NearestInTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let padded = self.tile.len() / LANES;
+        for (query, best) in self.queries.chunks_exact(padded).zip(self.best) {
+            let squares = squares(self.tile, query);
+            let mut least = [f32::INFINITY; LANES / 4];
+            for part in squares.chunks_exact(LANES / 4) {
+                for (least, &square) in least.iter_mut().zip(part) {
+                    *least = if square < *least { square } else { *least };
+                }
+            }
+            if least.iter().any(|&square| square < best.0) {
+                for (lane, &square) in squares.iter().enumerate() {
+                    if square < best.0 {
+                        *best = (square, self.first + lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Squared distances of a query from the eigenpoints of a tile.
 #[inline(always)]
-fn nearest_in_tile(tile: &[f32], query: &[f32], first: usize, best: &mut (f32, usize)) {
+fn squares(tile: &[f32], query: &[f32]) -> [f32; LANES] {
     let mut squares = [0.0_f32; LANES];
     for (rows, q) in tile.chunks_exact(STEP * LANES).zip(query.chunks_exact(STEP)) {
         let (a, rest) = rows.split_at(LANES);
@@ -181,19 +223,7 @@ fn nearest_in_tile(tile: &[f32], query: &[f32], first: usize, best: &mut (f32, u
             squares[lane] += (a * a + b * b) + (c * c + d * d);
         }
     }
-    let mut least = [f32::INFINITY; LANES / 4];
-    for part in squares.chunks_exact(LANES / 4) {
-        for (least, &square) in least.iter_mut().zip(part) {
-            *least = if square < *least { square } else { *least };
-        }
-    }
-    if least.iter().any(|&square| square < best.0) {
-        for (lane, &square) in squares.iter().enumerate() {
-            if square < best.0 {
-                *best = (square, first + lane);
-            }
-        }
-    }
+    squares
 }
 
 /// The library's tree has its dimension in its type: some sizes, and zeros up to the next.
@@ -286,6 +316,15 @@ mod tests {
         let index = EigenpointIndex::new(vec![0.0, 0.0, 30.0, 40.0], 2);
         assert_eq!(index.nearest(&[3.0, 4.0]), [Neighbour { index: 0, distance: 5.0 }]);
         assert!(index.nearest(&[]).is_empty());
+    }
+
+    #[test]
+    fn the_way_is_chosen_as_measured() {
+        let ramp = |count: usize, dimension: usize| (0..count * dimension).map(|i| i as f32).collect();
+        assert!(EigenpointIndex::new(ramp(10_000, 8), 8).has_tree());
+        assert!(!EigenpointIndex::new(ramp(9_999, 8), 8).has_tree());
+        assert!(!EigenpointIndex::new(ramp(10_000, 9), 9).has_tree());
+        assert!(!EigenpointIndex::new(vec![1.0; 80_000], 8).has_tree());
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The gradient, grey levels per pixel: Sobel's operator over 8, with mirror borders.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::smoothing::mirrored;
 use crate::imaging::Image;
 
@@ -15,46 +17,91 @@ pub struct Gradient {
 /// The gradient of an image: differences of the two neighbours, averaged 1 2 1 across.
 pub fn gradient(image: &Image) -> Gradient {
     let (width, height) = (image.width(), image.height());
-    let mut x = vec![0.0; width * height];
-    let mut y = vec![0.0; width * height];
-    // the sum and the difference down each column, with one mirrored column on either side
-    let mut sum = vec![0.0; width + 2];
-    let mut difference = vec![0.0; width + 2];
-    for row in 0..if width == 0 { 0 } else { height } {
-        let above = image.row(mirrored(row as isize - 1, height));
-        let below = image.row(mirrored(row as isize + 1, height));
-        let (out_x, out_y) = (&mut x[row * width..][..width], &mut y[row * width..][..width]);
-        pulp::Arch::new().dispatch(|| {
-            down(above, image.row(row), below, &mut sum[1..=width], &mut difference[1..=width]);
-            for padded in [&mut sum, &mut difference] {
-                padded[0] = padded[1 + mirrored(-1, width)];
-                padded[width + 1] = padded[1 + mirrored(width as isize, width)];
-            }
-            across(&sum, &difference, out_x, out_y);
-        });
+    let mut rows = GradientRows::new(width);
+    let [mut x, mut y] = [(); 2].map(|()| vec![0.0; width * height]);
+    if width > 0 {
+        for (row, (x, y)) in x.chunks_exact_mut(width).zip(y.chunks_exact_mut(width)).enumerate() {
+            rows.write(image, row, x, y);
+        }
     }
     Gradient { x: Image::new(width, height, x), y: Image::new(width, height, y) }
 }
 
-#[inline(always)]
-fn down(above: &[f32], here: &[f32], below: &[f32], sum: &mut [f32], difference: &mut [f32]) {
-    for ((((above, here), below), sum), difference) in
-        above.iter().zip(here).zip(below).zip(sum).zip(difference)
-    {
-        *sum = (above + below) + 2.0 * here;
-        *difference = below - above;
+/// The gradient row by row.
+pub(super) struct GradientRows {
+    /// Sum and difference down each column, with one mirrored column on either side.
+    sum: Vec<f32>,
+    difference: Vec<f32>,
+}
+
+impl GradientRows {
+    pub fn new(width: usize) -> GradientRows {
+        GradientRows { sum: vec![0.0; width + 2], difference: vec![0.0; width + 2] }
+    }
+
+    /// Write the gradient along row `row` of the image, which is as wide as this was made for.
+    pub fn write(&mut self, image: &Image, row: usize, out_x: &mut [f32], out_y: &mut [f32]) {
+        let (width, height) = (image.width(), image.height());
+        let GradientRows { sum, difference } = self;
+        Arch::new().dispatch(Down {
+            above: image.row(mirrored(row as isize - 1, height)),
+            here: image.row(row),
+            below: image.row(mirrored(row as isize + 1, height)),
+            sum: &mut sum[1..=width],
+            difference: &mut difference[1..=width],
+        });
+        for padded in [&mut *sum, &mut *difference] {
+            padded[0] = padded[1 + mirrored(-1, width)];
+            padded[width + 1] = padded[1 + mirrored(width as isize, width)];
+        }
+        Arch::new().dispatch(Across { sum, difference, out_x, out_y });
     }
 }
 
-#[inline(always)]
-fn across(sum: &[f32], difference: &[f32], out_x: &mut [f32], out_y: &mut [f32]) {
-    let width = out_x.len();
-    for ((out, left), right) in out_x.iter_mut().zip(&sum[..width]).zip(&sum[2..]) {
-        *out = (right - left) * 0.125;
+/// One row: 1 2 1 down each column, and the difference of the two rows about it.
+struct Down<'a> {
+    above: &'a [f32],
+    here: &'a [f32],
+    below: &'a [f32],
+    sum: &'a mut [f32],
+    difference: &'a mut [f32],
+}
+
+impl WithSimd for Down<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let rows = self.above.iter().zip(self.here).zip(self.below);
+        for (((above, here), below), (sum, difference)) in rows.zip(self.sum.iter_mut().zip(self.difference))
+        {
+            *sum = (above + below) + 2.0 * here;
+            *difference = below - above;
+        }
     }
-    let neighbours = difference[..width].iter().zip(&difference[1..]).zip(&difference[2..]);
-    for (out, ((left, here), right)) in out_y.iter_mut().zip(neighbours) {
-        *out = ((left + right) + 2.0 * here) * 0.125;
+}
+
+/// One row: the difference of the two columns about each pixel, and 1 2 1 across the rows' difference.
+struct Across<'a> {
+    sum: &'a [f32],
+    difference: &'a [f32],
+    out_x: &'a mut [f32],
+    out_y: &'a mut [f32],
+}
+
+impl WithSimd for Across<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for ((out, left), right) in self.out_x.iter_mut().zip(self.sum).zip(&self.sum[2..]) {
+            *out = (right - left) * 0.125;
+        }
+        let difference = self.difference;
+        let neighbours = difference.iter().zip(&difference[1..]).zip(&difference[2..]);
+        for (out, ((left, here), right)) in self.out_y.iter_mut().zip(neighbours) {
+            *out = ((left + right) + 2.0 * here) * 0.125;
+        }
     }
 }
 

@@ -3,12 +3,16 @@
 //! A pixel is a maximum if nothing in the (2·3 + 1)² pixels about it is higher; of equal ones within that
 //! reach only the first in reading order (row by row) stays, so that a plateau gives one point.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::imaging::Image;
 
 /// How far a maximum reaches, to each side.
 const SEPARATION_PX: usize = 3;
 /// Maxima at or below this are noise of a flat picture.
 const LEAST_SALIENCE: f32 = 1e-3;
+/// Pixels of a row looked at together for peaks, of which there are few.
+const TILE_PX: usize = 32;
 
 /// A place worth looking at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +31,35 @@ pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
     if width == 0 || height == 0 {
         return Vec::new();
     }
-    let highest = highest_about(map);
+    // the rows within reach, each pixel the highest along x
+    let kept = 2 * SEPARATION_PX + 1;
+    let mut across = vec![0.0; kept * width];
+    let mut padded = vec![f32::NEG_INFINITY; width + 2 * SEPARATION_PX];
+    let mut highest = vec![0.0; width];
+    let mut next = 0;
     let mut points = Vec::new();
     for y in 0..height {
-        for (x, (&salience, &highest)) in map.row(y).iter().zip(&highest[y * width..]).enumerate() {
-            if salience >= highest && salience > LEAST_SALIENCE && !follows_an_equal(map, x, y) {
-                points.push(InterestPoint { x_px: x as f32, y_px: y as f32, salience });
+        while next < height.min(y + SEPARATION_PX + 1) {
+            padded[SEPARATION_PX..][..width].copy_from_slice(map.row(next));
+            let rows = (0..kept).map(|shift| &padded[shift..]);
+            Arch::new().dispatch(Highest { out: &mut across[next % kept * width..][..width], rows });
+            next += 1;
+        }
+        let rows = (y.saturating_sub(SEPARATION_PX)..next).map(|row| &across[row % kept * width..]);
+        Arch::new().dispatch(Highest { out: &mut highest, rows });
+        for (tile, (map_tile, highest)) in map.row(y).chunks(TILE_PX).zip(highest.chunks(TILE_PX)).enumerate()
+        {
+            let is_peak =
+                |(salience, highest): (&f32, &f32)| salience >= highest && *salience > LEAST_SALIENCE;
+            // counting first, without a branch, passes over most tiles
+            let peaks: u32 = map_tile.iter().zip(highest).map(|pair| u32::from(is_peak(pair))).sum();
+            if peaks == 0 {
+                continue;
+            }
+            for (x, pair) in (tile * TILE_PX..).zip(map_tile.iter().zip(highest)) {
+                if is_peak(pair) && !follows_an_equal(map, x, y) {
+                    points.push(InterestPoint { x_px: x as f32, y_px: y as f32, salience: *pair.0 });
+                }
             }
         }
     }
@@ -50,31 +77,22 @@ fn follows_an_equal(map: &Image, x: usize, y: usize) -> bool {
     })
 }
 
-/// The highest value in the square about each pixel, the image's edge cutting it off.
-fn highest_about(map: &Image) -> Vec<f32> {
-    let (width, height) = (map.width(), map.height());
-    let mut across = vec![0.0; width * height];
-    let mut padded = vec![f32::NEG_INFINITY; width + 2 * SEPARATION_PX];
-    for (y, out) in across.chunks_exact_mut(width).enumerate() {
-        padded[SEPARATION_PX..][..width].copy_from_slice(map.row(y));
-        let shifts = (0..=2 * SEPARATION_PX).map(|shift| &padded[shift..][..width]);
-        pulp::Arch::new().dispatch(|| highest(out, shifts));
-    }
-    let mut both = vec![0.0; width * height];
-    for (y, out) in both.chunks_exact_mut(width).enumerate() {
-        let rows = y.saturating_sub(SEPARATION_PX)..(y + SEPARATION_PX + 1).min(height);
-        let rows = rows.map(|row| &across[row * width..][..width]);
-        pulp::Arch::new().dispatch(|| highest(out, rows));
-    }
-    both
+/// `out` = the highest of the rows, column by column.
+struct Highest<'a, R> {
+    out: &'a mut [f32],
+    rows: R,
 }
 
-#[inline(always)]
-fn highest<'a>(out: &mut [f32], rows: impl Iterator<Item = &'a [f32]>) {
-    out.fill(f32::NEG_INFINITY);
-    for row in rows {
-        for (out, &value) in out.iter_mut().zip(row) {
-            *out = if value > *out { value } else { *out };
+impl<'a, R: Iterator<Item = &'a [f32]>> WithSimd for Highest<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        self.out.fill(f32::NEG_INFINITY);
+        for row in self.rows {
+            for (out, &value) in self.out.iter_mut().zip(row) {
+                *out = if value > *out { value } else { *out };
+            }
         }
     }
 }

@@ -91,16 +91,17 @@ impl SignaturePlan {
         }
     }
 
-    /// Write the signature of one sub-window; allocates nothing.
+    /// Write the signature of one sub-window, and tell whether there is anything to see in it; allocates
+    /// nothing. The signature of a sub-window without anything to see is zero.
     ///
     /// # Panics
     /// If `samples` does not hold rings × sectors values or `signature` not [`SignaturePlan::length`].
-    pub fn sign(&self, samples: &[f32], scratch: &mut SignatureScratch, signature: &mut [f32]) {
+    pub fn sign(&self, samples: &[f32], scratch: &mut SignatureScratch, signature: &mut [f32]) -> bool {
         assert_eq!(samples.len(), self.taper.len(), "rings × sectors samples");
         assert_eq!(signature.len(), self.length(), "rings × (sectors/2 + 1) amplitudes");
         let Some((offset, scale)) = self.brightness(samples) else {
             signature.fill(0.0);
-            return;
+            return false;
         };
 
         let (sectors, half) = (self.sectors, self.sectors / 2 + 1);
@@ -140,9 +141,11 @@ impl SignaturePlan {
                 signature.iter().map(|&v| f64::from(v) * f64::from(v)).sum::<f64>().sqrt() as f32
             }
         };
-        if length > 0.0 {
+        let visible = signature.iter().any(|&v| v > 0.0);
+        if visible {
             signature.iter_mut().for_each(|v| *v /= length);
         }
+        visible
     }
 
     /// What is subtracted from the samples and what they are then multiplied by; `None` if there is
@@ -184,7 +187,8 @@ mod tests {
 
     fn signed(plan: &SignaturePlan, samples: &[f32]) -> Vec<f32> {
         let mut signature = vec![0.0; plan.length()];
-        plan.sign(samples, &mut plan.scratch(), &mut signature);
+        let visible = plan.sign(samples, &mut plan.scratch(), &mut signature);
+        assert_eq!(visible, signature.iter().any(|&v| v != 0.0));
         signature
     }
 

@@ -1,5 +1,7 @@
 //! Separable Gaussian smoothing, with mirror borders (`d c b | a b c d | c b a`).
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::imaging::Image;
 
 /// The kernel reaches this many standard deviations.
@@ -13,44 +15,50 @@ pub fn smoothed(image: &Image, sigma_px: f32) -> Image {
     }
     let (width, height, reach) = (image.width(), image.height(), kernel.len() - 1);
 
-    let mut across = vec![0.0; width * height];
     let mut padded = vec![0.0; width + 2 * reach];
     let columns: Vec<usize> =
         (0..width + 2 * reach).map(|x| mirrored(x as isize - reach as isize, width)).collect();
-    for (y, out) in across.chunks_exact_mut(width).enumerate() {
-        let row = image.row(y);
-        for (value, &column) in padded.iter_mut().zip(&columns) {
-            *value = row[column];
-        }
-        let taps = (0..=reach).map(|k| (&padded[reach - k..][..width], &padded[reach + k..][..width]));
-        pulp::Arch::new().dispatch(|| weighted_pairs(out, &kernel, taps));
-    }
-
+    // the rows that a kernel reaches, smoothed along x: mirrored rows are among them
+    let kept = 2 * reach + 1;
+    let mut across = vec![0.0; kept * width];
+    let mut next = 0;
     let mut both = vec![0.0; width * height];
-    let row = |y: isize| &across[mirrored(y, height) * width..][..width];
     for (y, out) in both.chunks_exact_mut(width).enumerate() {
-        let y = y as isize;
-        let taps = (0..=reach as isize).map(|k| (row(y - k), row(y + k)));
-        pulp::Arch::new().dispatch(|| weighted_pairs(out, &kernel, taps));
+        while next < height.min(y + reach + 1) {
+            let row = image.row(next);
+            for (value, &column) in padded.iter_mut().zip(&columns) {
+                *value = row[column];
+            }
+            let taps = (0..=reach).map(|k| (&padded[reach - k..], &padded[reach + k..]));
+            let out = &mut across[next % kept * width..][..width];
+            Arch::new().dispatch(WeightedPairs { out, kernel: &kernel, taps });
+            next += 1;
+        }
+        let row = |y: isize| &across[mirrored(y, height) % kept * width..];
+        let taps = (0..=reach as isize).map(|k| (row(y as isize - k), row(y as isize + k)));
+        Arch::new().dispatch(WeightedPairs { out, kernel: &kernel, taps });
     }
     Image::new(width, height, both)
 }
 
 /// `out` = k₀·centre + Σ kᵢ·(before + after), in the order of the kernel.
-#[inline(always)]
-fn weighted_pairs<'a>(out: &mut [f32], kernel: &[f32], taps: impl Iterator<Item = (&'a [f32], &'a [f32])>) {
-    for (k, (before, after)) in taps.enumerate() {
-        let weight = kernel[k];
-        match k {
-            0 => {
-                for (out, centre) in out.iter_mut().zip(before) {
-                    *out = weight * centre;
-                }
-            }
-            _ => {
-                for ((out, before), after) in out.iter_mut().zip(before).zip(after) {
-                    *out += weight * (before + after);
-                }
+struct WeightedPairs<'a, T> {
+    out: &'a mut [f32],
+    kernel: &'a [f32],
+    taps: T,
+}
+
+impl<'a, T: Iterator<Item = (&'a [f32], &'a [f32])>> WithSimd for WeightedPairs<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (k, (before, after)) in self.taps.enumerate() {
+            let weight = self.kernel[k];
+            let centre = k == 0;
+            let (before, after) = (&before[..self.out.len()], &after[..self.out.len()]);
+            for (p, out) in self.out.iter_mut().enumerate() {
+                *out = if centre { weight * before[p] } else { *out + weight * (before[p] + after[p]) };
             }
         }
     }

@@ -8,6 +8,8 @@ pub mod description;
 pub mod model;
 pub mod options;
 pub mod parts;
+#[cfg(test)]
+mod pictures;
 pub mod training;
 pub mod vote;
 pub mod warning;

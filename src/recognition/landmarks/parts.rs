@@ -172,3 +172,64 @@ impl LandmarkParts {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pictures::{described, toy};
+    use super::*;
+    use crate::imaging::Frame;
+
+    fn parts() -> LandmarkParts {
+        let options = LandmarkOptions { dimension: 8, ..LandmarkOptions::default() };
+        Landmarks::train(described(0..4, &options), &options).unwrap().0.to_parts()
+    }
+
+    #[test]
+    fn a_rebuilt_database_answers_the_same() {
+        let parts = parts();
+        let rebuilt = Landmarks::from_parts(parts.clone()).unwrap();
+        assert_eq!(rebuilt.to_parts(), parts);
+        let options = LandmarkOptions { dimension: 8, ..LandmarkOptions::default() };
+        let (trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
+        let frame = Frame::gray(toy(2, 96)).turned(70.0);
+        assert_eq!(rebuilt.recognise(&frame, |_| ()), trained.recognise(&frame, |_| ()));
+    }
+
+    #[test]
+    fn damaged_parts_are_refused() {
+        type Damage = (&'static str, fn(&mut LandmarkParts));
+        let damages: [Damage; 26] = [
+            ("options", |p| p.options.epsilon = 0.0),
+            ("auto colour", |p| p.options.colour = Colour::Auto),
+            ("other colour", |p| p.options.colour = Colour::Opponent),
+            ("other rings", |p| p.options.rings += 1),
+            ("smaller dimension", |p| p.options.dimension = 7),
+            ("no exemplars", |p| p.exemplars.clear()),
+            ("exemplar lost", |p| p.exemplars.truncate(p.exemplars.len() - 1)),
+            ("exemplars swapped", |p| p.exemplars.swap(0, 1)),
+            ("exemplar twice", |p| p.exemplars[1] = p.exemplars[0].clone()),
+            ("count", |p| p.exemplars[2].points += 1),
+            ("count beyond all", |p| p.exemplars[3].points = usize::MAX),
+            ("mean cut", |p| p.mean.truncate(p.mean.len() - 1)),
+            ("mean NaN", |p| p.mean[0] = f32::NAN),
+            ("basis cut", |p| p.basis.truncate(p.basis.len() - 1)),
+            ("basis scaled", |p| p.basis.iter_mut().for_each(|v| *v *= 1.01)),
+            ("basis infinite", |p| p.basis[5] = f32::INFINITY),
+            ("no eigenvalues", |p| p.eigenvalues.clear()),
+            ("eigenvalues swapped", |p| p.eigenvalues.swap(0, 1)),
+            ("eigenvalue negative", |p| p.eigenvalues[7] = -1.0),
+            ("variance NaN", |p| p.total_variance = f64::NAN),
+            ("eigenpoints cut", |p| p.eigenpoints.truncate(p.eigenpoints.len() - 1)),
+            ("eigenpoint huge", |p| p.eigenpoints[0] = 3e38),
+            ("points cut", |p| p.points.truncate(p.points.len() - 1)),
+            ("owner out of range", |p| *p.owner.last_mut().unwrap() = 4),
+            ("owners swapped", |p| p.owner.reverse()),
+            ("no owners", |p| p.owner.clear()),
+        ];
+        for (what, damage) in damages {
+            let mut parts = parts();
+            damage(&mut parts);
+            assert!(Landmarks::from_parts(parts).is_err(), "{what} went through");
+        }
+    }
+}

@@ -66,12 +66,20 @@ impl Landmarks {
         if let Some(pair) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(TrainingError::DuplicateId { id: pair[0].to_owned() });
         }
-        let length = options.signature_length();
-        if let Some(other) = exemplars.iter().find(|e| e.signatures.len() != e.points.len() * length) {
+        let described = |e: &DescribedExemplar| {
+            options.gray_length() + if e.colour { options.colour_length() } else { 0 }
+        };
+        if let Some(other) = exemplars.iter().find(|e| {
+            let settled = options.with_colour_if_auto(e.colour).colour;
+            (settled == Colour::Opponent) != e.colour || e.signatures.len() != e.points.len() * described(e)
+        }) {
             return Err(TrainingError::OtherOptions { id: other.name.id.clone() });
         }
+        let options = options.with_colour_if_auto(exemplars.iter().all(|e| e.colour));
 
-        let signatures: Vec<f32> = exemplars.iter().flat_map(|e| &e.signatures).copied().collect();
+        let length = options.signature_length();
+        let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described(e)));
+        let signatures: Vec<f32> = rows.flat_map(|row| &row[..length]).copied().collect();
         if signatures.is_empty() {
             return Err(TrainingError::NoInterestPoints);
         }
@@ -95,14 +103,8 @@ impl Landmarks {
                 points: e.points.len(),
             })
             .collect();
-        let model = Landmarks {
-            options: LandmarkOptions { colour: options.colour_used(), ..options.clone() },
-            describer: Describer::new(options),
-            exemplars,
-            eigenspace,
-            index,
-            owned,
-        };
+        let model =
+            Landmarks { describer: Describer::new(&options), options, exemplars, eigenspace, index, owned };
         let report = TrainingReport {
             energy_kept: model.eigenspace.eigenvalues.iter().sum::<f64>() / model.eigenspace.total_variance,
             spectrum,
@@ -115,5 +117,103 @@ impl Landmarks {
             exemplars_without_points,
         };
         Ok((model, report))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::describe;
+    use super::super::pictures::{described, name, toy};
+    use super::*;
+    use crate::imaging::{Frame, Image};
+    use crate::vision::InterestPoint;
+
+    #[test]
+    fn the_order_of_exemplars_changes_nothing() {
+        let options = LandmarkOptions::default();
+        let exemplars = described(0..6, &options);
+        let mut shuffled = exemplars.clone();
+        shuffled.reverse();
+        shuffled.swap(1, 4);
+        let (a, report_a) = Landmarks::train(exemplars, &options).unwrap();
+        let (b, report_b) = Landmarks::train(shuffled, &options).unwrap();
+        assert_eq!(a.to_parts(), b.to_parts());
+        assert_eq!(report_a, report_b);
+    }
+
+    #[test]
+    fn the_report_counts_what_was_seen() {
+        let options = LandmarkOptions::default();
+        let mut exemplars = described(0..4, &options);
+        let flat = Frame::gray(Image::from_fn(50, 40, |_, _| 90.0));
+        exemplars.push(describe(name("wall", "toy0"), &flat, &options));
+        let points: usize = exemplars.iter().map(|e| e.points.len()).sum();
+        let (model, report) = Landmarks::train(exemplars, &options).unwrap();
+        assert_eq!((report.exemplars, report.labels, report.interest_points), (5, 4, points));
+        assert_eq!(report.exemplars_without_points, ["wall"]);
+        assert_eq!(report.spectrum.len(), report.signature_length.min(points));
+        assert!(report.energy_kept > 0.9 && report.energy_kept <= 1.0);
+        assert_eq!(report.colour, Colour::Gray);
+        assert_eq!((report.dimension, model.dimension()), (32, 32));
+        assert!(model.bytes() > points * 32 * 4);
+    }
+
+    #[test]
+    fn what_can_not_be_trained_says_why() {
+        let options = LandmarkOptions::default();
+        let fail = |exemplars, options: &LandmarkOptions| Landmarks::train(exemplars, options).err().unwrap();
+        assert_eq!(fail(vec![], &options), TrainingError::NoExemplars);
+        let flat = describe(name("a", "a"), &Frame::gray(Image::from_fn(50, 40, |_, _| 90.0)), &options);
+        assert_eq!(fail(vec![flat], &options), TrainingError::NoInterestPoints);
+        let twice = [described(0..1, &options), described(0..1, &options)].concat();
+        assert_eq!(fail(twice, &options), TrainingError::DuplicateId { id: "toy0".to_owned() });
+        let other = LandmarkOptions { rings: 6, ..options.clone() };
+        assert_eq!(
+            fail(described(0..2, &other), &options),
+            TrainingError::OtherOptions { id: "toy0".to_owned() }
+        );
+        let opponent = LandmarkOptions { colour: Colour::Opponent, ..options.clone() };
+        let described_gray = described(0..2, &options);
+        assert_eq!(fail(described_gray, &opponent), TrainingError::OtherOptions { id: "toy0".to_owned() });
+        let bad = LandmarkOptions { neighbours: 2, ..options };
+        assert!(matches!(fail(vec![], &bad), TrainingError::Options { faults } if faults.len() == 1));
+    }
+
+    #[test]
+    fn colour_is_used_if_every_exemplar_has_it() {
+        let options = LandmarkOptions::default();
+        let colourful = |seed| {
+            let frame = Frame::colour([toy(seed, 64), toy(seed + 50, 64), toy(seed + 90, 64)]);
+            describe(name(&format!("c{seed}"), "c"), &frame, &options)
+        };
+        let (model, report) = Landmarks::train(vec![colourful(1), colourful(2)], &options).unwrap();
+        assert_eq!((report.colour, model.options().colour), (Colour::Opponent, Colour::Opponent));
+        let mut mixed = described(0..2, &options);
+        mixed.push(colourful(1));
+        let (_, report) = Landmarks::train(mixed, &options).unwrap();
+        assert_eq!(report.colour, Colour::Gray);
+    }
+
+    #[test]
+    fn ten_thousand_identical_windows_and_one_other_can_be_trained() {
+        let options = LandmarkOptions::default();
+        let length = options.signature_length();
+        let point = InterestPoint { x_px: 1.0, y_px: 1.0, salience: 1.0 };
+        let exemplar = |id: &str, signatures: Vec<f32>| DescribedExemplar {
+            name: name(id, id),
+            width_px: 9,
+            height_px: 9,
+            points: vec![point; signatures.len() / length],
+            colour: false,
+            signatures,
+        };
+        let window = |k: usize| (0..length).map(|i| if i == k { 1.0 } else { 0.0 }).collect::<Vec<f32>>();
+        let same = exemplar("same", window(0).repeat(10_000));
+        let (model, report) =
+            Landmarks::train(vec![same.clone(), exemplar("other", window(1))], &options).unwrap();
+        assert_eq!(report.dimension, 1);
+        assert_eq!(model.to_parts().owner.len(), 10_001);
+        let alone = Landmarks::train(vec![same], &options).err().unwrap();
+        assert!(matches!(alone, TrainingError::Eigenspace { source: EigenError::NoVariance { .. } }));
     }
 }

@@ -13,7 +13,7 @@ use crate::vision::InterestPoint;
 pub struct Recognition {
     /// Interest points in the frame.
     pub points_found: usize,
-    /// The strongest of them, that voted.
+    /// The strongest of them, that voted; those with nothing to see about them are passed over.
     pub points_used: usize,
     /// Labels with W > 0, best first.
     pub votes: Vec<LabelVote>,
@@ -112,4 +112,89 @@ pub(super) fn vote(
         .collect();
     votes.sort_by(|a, b| b.weight.total_cmp(&a.weight)); // stable: equal ones stay in the order of labels
     (votes, points)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn exemplars(labels: &[&str]) -> Vec<Exemplar> {
+        let exemplar = |(i, label): (usize, &&str)| Exemplar {
+            id: format!("{i:03}"),
+            label: (*label).to_owned(),
+            width_px: 1,
+            height_px: 1,
+            points: 1,
+        };
+        labels.iter().enumerate().map(exemplar).collect()
+    }
+
+    fn counted(
+        labels: &[&str],
+        matches: &[(usize, f64)],
+        per_label: PerLabel,
+    ) -> (Vec<LabelVote>, Vec<PointVote>) {
+        let options = LandmarkOptions { per_label, epsilon: 0.5, ..LandmarkOptions::default() };
+        let point = InterestPoint { x_px: 0.0, y_px: 0.0, salience: 1.0 };
+        vote(
+            matches.iter().map(|&(exemplar, distance)| (point, exemplar, distance)),
+            &exemplars(labels),
+            &options,
+        )
+    }
+
+    fn told(votes: &[LabelVote]) -> Vec<(&str, f64, usize)> {
+        votes.iter().map(|v| (v.label.as_str(), v.weight, v.points)).collect()
+    }
+
+    #[test]
+    fn a_point_gives_one_over_distance_plus_epsilon() {
+        // 1/(0.5 + 0.5) = 1, 1/(1.5 + 0.5) = 0.5, 1/(3.5 + 0.5) = 0.25
+        let matches = [(0, 0.5), (1, 1.5), (1, 3.5), (2, 3.5)];
+        let (votes, points) = counted(&["a", "b", "b"], &matches, PerLabel::Sum);
+        assert_eq!(told(&votes), [("a", 1.0, 1), ("b", 1.0, 3)]);
+        assert_eq!(votes[0].share, 0.5);
+        assert_eq!(points.iter().map(|p| p.weight).collect::<Vec<_>>(), [1.0, 0.5, 0.25, 0.25]);
+        let (votes, points) = counted(&["a", "b", "b"], &matches, PerLabel::Best);
+        assert_eq!(told(&votes), [("a", 1.0, 1), ("b", 0.75, 2)]);
+        assert_eq!(points[3].weight, 0.0);
+    }
+
+    #[test]
+    fn of_equal_exemplars_the_earlier_counts() {
+        let (votes, points) = counted(&["a", "a"], &[(1, 0.5), (0, 0.5)], PerLabel::Best);
+        assert_eq!(told(&votes), [("a", 1.0, 1)]);
+        assert_eq!((points[0].weight, points[1].weight), (0.0, 1.0));
+    }
+
+    #[test]
+    fn nobody_votes_for_nothing() {
+        assert_eq!(counted(&["a"], &[], PerLabel::Best), (vec![], vec![]));
+        let (votes, _) = counted(&["a", "b"], &[(1, f64::INFINITY), (0, 1.0)], PerLabel::Sum);
+        assert_eq!(votes.len(), 1);
+    }
+
+    proptest! {
+        #[test]
+        fn the_weights_of_points_sum_to_w_exactly(
+            matches in prop::collection::vec((0usize..12, 0.0f64..3.0), 0..100),
+            sum in any::<bool>(),
+        ) {
+            let labels = ["a", "a", "a", "b", "c", "c", "d", "d", "d", "d", "e", "f"];
+            let per_label = if sum { PerLabel::Sum } else { PerLabel::Best };
+            let (votes, points) = counted(&labels, &matches, per_label);
+            for vote in &votes {
+                let of_label = points.iter().filter(|p| labels[p.exemplar] == vote.label);
+                prop_assert_eq!(of_label.clone().map(|p| p.weight).sum::<f64>(), vote.weight);
+                prop_assert_eq!(of_label.filter(|p| p.weight > 0.0).count(), vote.points);
+            }
+            prop_assert!(votes.is_sorted_by(|a, b| a.weight >= b.weight));
+            let shares: f64 = votes.iter().map(|v| v.share).sum();
+            prop_assert!(votes.is_empty() || (shares - 1.0).abs() < 1e-12);
+            let voted = |label| points.iter().any(|p| labels[p.exemplar] == label && p.weight > 0.0);
+            prop_assert_eq!(votes.len(), ["a", "b", "c", "d", "e", "f"].into_iter().filter(|l| voted(*l)).count());
+        }
+    }
 }

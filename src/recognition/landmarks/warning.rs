@@ -8,9 +8,9 @@ pub const FEW_POINTS: usize = 8;
 /// A doubt about one answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Warning {
-    /// Nothing in the frame drew attention.
+    /// Nothing in the frame drew attention, or nothing was to be seen where it did.
     NoInterestPoints,
-    /// Fewer than eight interest points voted.
+    /// Fewer than eight interest points voted, though more were asked for.
     FewInterestPoints { found: usize },
     /// The database was trained with colour and the frame has none.
     GrayFrame,
