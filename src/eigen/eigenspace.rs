@@ -291,14 +291,10 @@ mod tests {
         let (space, spectrum) = Eigenspace::fit(&rows, 5, 5).unwrap();
         let points = space.project(&rows);
         let count = (points.len() / 5) as f64;
-        for i in 0..5 {
-            let variance =
-                points.iter().skip(i).step_by(5).map(|&v| f64::from(v).powi(2)).sum::<f64>() / (count - 1.0);
-            assert!(
-                (variance / spectrum[i] - 1.0).abs() < 1e-4,
-                "direction {i}: {variance}, {}",
-                spectrum[i]
-            );
+        for (i, expected) in spectrum.iter().enumerate() {
+            let squares = points.iter().skip(i).step_by(5).map(|&v| f64::from(v).powi(2));
+            let variance = squares.sum::<f64>() / (count - 1.0);
+            assert!((variance / expected - 1.0).abs() < 1e-4, "direction {i}: {variance}, {expected}");
         }
     }
 

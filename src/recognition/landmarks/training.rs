@@ -66,19 +66,20 @@ impl Landmarks {
         if let Some(pair) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(TrainingError::DuplicateId { id: pair[0].to_owned() });
         }
-        let described = |e: &DescribedExemplar| {
+        let described_length = |e: &DescribedExemplar| {
             options.gray_length() + if e.colour { options.colour_length() } else { 0 }
         };
-        if let Some(other) = exemplars.iter().find(|e| {
-            let settled = options.with_colour_if_auto(e.colour).colour;
-            (settled == Colour::Opponent) != e.colour || e.signatures.len() != e.points.len() * described(e)
-        }) {
+        let fits = |e: &DescribedExemplar| {
+            let colour = options.with_colour_if_auto(e.colour).colour == Colour::Opponent;
+            colour == e.colour && e.signatures.len() == e.points.len() * described_length(e)
+        };
+        if let Some(other) = exemplars.iter().find(|e| !fits(e)) {
             return Err(TrainingError::OtherOptions { id: other.name.id.clone() });
         }
         let options = options.with_colour_if_auto(exemplars.iter().all(|e| e.colour));
-
+        // a signature's luminance part comes first: where colour isn't used, its own part is left out
         let length = options.signature_length();
-        let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described(e)));
+        let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described_length(e)));
         let signatures: Vec<f32> = rows.flat_map(|row| &row[..length]).copied().collect();
         if signatures.is_empty() {
             return Err(TrainingError::NoInterestPoints);
