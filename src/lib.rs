@@ -7,6 +7,7 @@
 pub mod compute;
 pub mod config;
 pub mod database;
+pub mod demo;
 pub mod eigen;
 pub mod evaluate;
 pub mod http;

@@ -1,0 +1,150 @@
+//! A client of the HTTP contract, as small as the demo needs.
+
+use std::time::Duration;
+
+use reqwest::{Method, RequestBuilder, Response, Url};
+use serde_json::{Value, json};
+use tokio::time::{Instant, sleep};
+
+use super::DemoError;
+
+/// The longest that one call may take: a request's own limit at the service.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// The longest that a training may take: pictures by the thousand train within minutes.
+const TRAINING_PATIENCE: Duration = Duration::from_secs(900);
+const POLL_EVERY: Duration = Duration::from_millis(100);
+
+/// A running service.
+pub struct Server {
+    base_url: Url,
+    http: reqwest::Client,
+}
+
+/// What a frame was taken for.
+pub struct Answer {
+    /// `None`: for nothing.
+    pub label: Option<String>,
+    /// Its part of all W.
+    pub share: f64,
+    /// What the service says the recognition took.
+    pub recognise_ms: f64,
+}
+
+impl Server {
+    /// The service at an address such as `http://127.0.0.1:8080`; proxies of the environment are not asked.
+    pub fn at(base_url: &str) -> Result<Server, DemoError> {
+        let address = || DemoError::Address { base_url: base_url.to_owned() };
+        let url: Url = base_url.parse().map_err(|_| address())?;
+        if url.cannot_be_a_base() {
+            return Err(address());
+        }
+        let http = reqwest::Client::builder()
+            .timeout(PATIENCE)
+            .no_proxy()
+            .build()
+            .map_err(|source| DemoError::NoAnswer { call: base_url.to_owned(), source })?;
+        Ok(Server { base_url: url, http })
+    }
+
+    /// Delete a database, if it is there.
+    pub async fn forget(&self, database: &str) -> Result<(), DemoError> {
+        match self.send(self.call(Method::DELETE, &["databases", database], &[])).await {
+            Err(DemoError::Refused { status: 404, .. }) => Ok(()),
+            answer => answer.map(drop),
+        }
+    }
+
+    /// Create a database of landmarks with default options.
+    pub async fn create(&self, database: &str) -> Result<(), DemoError> {
+        let call = self.call(Method::PUT, &["databases", database], &[]);
+        self.send(call.json(&json!({"kind": "landmarks"}))).await.map(drop)
+    }
+
+    /// Send one training image.
+    pub async fn learn(&self, database: &str, label: &str, png: &[u8]) -> Result<(), DemoError> {
+        let call = self.call(Method::POST, &["databases", database, "exemplars"], &[("label", label)]);
+        self.send(with_png(call, png)).await.map(drop)
+    }
+
+    /// Train and wait for the end; returns the version.
+    pub async fn train(&self, database: &str) -> Result<u64, DemoError> {
+        let call = self.call(Method::POST, &["databases", database, "trainings"], &[]);
+        let mut job = self.json(call.json(&json!({}))).await?;
+        let id = job["id"].as_str().unwrap_or_default().to_owned();
+        let started = Instant::now();
+        loop {
+            match job["state"].as_str() {
+                Some("succeeded") => return Ok(job["version"].as_u64().unwrap_or_default()),
+                Some("failed" | "cancelled") => {
+                    let problem = job["problem"]["detail"].as_str().unwrap_or("it was cancelled");
+                    return Err(DemoError::Training { detail: problem.to_owned() });
+                }
+                _ if started.elapsed() > TRAINING_PATIENCE => {
+                    return Err(DemoError::Endless { job: id, waited_s: TRAINING_PATIENCE.as_secs() });
+                }
+                _ => sleep(POLL_EVERY).await,
+            }
+            job = self.json(self.call(Method::GET, &["jobs", &id], &[])).await?;
+        }
+    }
+
+    /// What a version takes a frame for.
+    pub async fn ask(&self, database: &str, version: u64, png: &[u8]) -> Result<Answer, DemoError> {
+        let version = version.to_string();
+        let path = ["databases", database, "recognitions"];
+        let call = self.call(Method::POST, &path, &[("version", &version), ("top", "1")]);
+        let answer = self.json(with_png(call, png)).await?;
+        let best = &answer["votes"][0];
+        Ok(Answer {
+            label: best["label"].as_str().map(str::to_owned),
+            share: best["share"].as_f64().unwrap_or_default(),
+            recognise_ms: answer["timings_ms"]["recognise"].as_f64().unwrap_or_default(),
+        })
+    }
+
+    /// The frame with points and votes drawn on it, a PNG.
+    pub async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
+        let call = self.call(Method::POST, &["databases", database, "recognitions"], &[]);
+        let answer = self.send(with_png(call, png).header("Accept", "image/png")).await?;
+        let call = answer.url().to_string();
+        let bytes = answer.bytes().await.map_err(|source| DemoError::NoAnswer { call, source })?;
+        Ok(bytes.to_vec())
+    }
+
+    /// A call to `/v1/…`; names are escaped.
+    fn call(&self, method: Method, path: &[&str], query: &[(&str, &str)]) -> RequestBuilder {
+        let mut url = self.base_url.clone();
+        if let Ok(mut segments) = url.path_segments_mut() {
+            segments.pop_if_empty().push("v1").extend(path);
+        }
+        if !query.is_empty() {
+            url.query_pairs_mut().extend_pairs(query);
+        }
+        self.http.request(method, url)
+    }
+
+    async fn json(&self, call: RequestBuilder) -> Result<Value, DemoError> {
+        let answer = self.send(call).await?;
+        let call = answer.url().to_string();
+        answer.json().await.map_err(|source| DemoError::NoAnswer { call, source })
+    }
+
+    /// Send; an answer that isn't a success becomes an error with the problem's own words.
+    async fn send(&self, call: RequestBuilder) -> Result<Response, DemoError> {
+        let answer = call.send().await.map_err(|source| DemoError::NoAnswer {
+            call: source.url().map_or_else(String::new, Url::to_string),
+            source: source.without_url(),
+        })?;
+        let (status, call) = (answer.status(), answer.url().to_string());
+        if status.is_success() {
+            return Ok(answer);
+        }
+        let problem: Value = answer.json().await.unwrap_or_default();
+        let detail = problem["detail"].as_str().unwrap_or("without a reason").to_owned();
+        Err(DemoError::Refused { call, status: status.as_u16(), detail })
+    }
+}
+
+fn with_png(call: RequestBuilder, png: &[u8]) -> RequestBuilder {
+    call.header("Content-Type", "image/png").body(png.to_vec())
+}

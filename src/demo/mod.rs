@@ -1,0 +1,275 @@
+//! The verb `demo`: learn pictures, ask about disturbed views of them, tell how it went; all through the HTTP
+//! contract of a running service, as a robot would.
+//!
+//! Without a folder of its own pictures the demo draws rooms and objects itself (`drawing`, `rooms`, `objects`,
+//! `lessons`). Databases called `demo-…` are the demo's: each run makes them anew.
+
+mod client;
+mod drawing;
+mod lessons;
+mod objects;
+mod own_pictures;
+mod rooms;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use thiserror::Error;
+
+use crate::evaluate::{EvaluateError, Rate};
+use client::Server;
+use lessons::{Lesson, Question, object_lesson, room_lesson};
+use own_pictures::own_lesson;
+
+/// Arguments of `landmarkd demo`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoArgs {
+    /// Learn your own pictures DIR/<label>/* instead, and tell how well they are known when turned and covered
+    #[arg(long, value_name = "DIR")]
+    pub images: Option<PathBuf>,
+    /// End after the table instead of serving on
+    #[arg(long)]
+    pub exit: bool,
+}
+
+/// Why the demo stopped.
+#[derive(Debug, Error)]
+pub enum DemoError {
+    #[error("{base_url} is no address of a service")]
+    Address { base_url: String },
+    #[error("no answer to {call}")]
+    NoAnswer { call: String, source: reqwest::Error },
+    #[error("the service refused {call}: {detail} (status {status})")]
+    Refused { call: String, status: u16, detail: String },
+    #[error("the training failed: {detail}")]
+    Training { detail: String },
+    #[error("the training did not end within {waited_s} s; the job is {job}")]
+    Endless { job: String, waited_s: u64 },
+    #[error("the folder of pictures can't be used")]
+    Pictures { source: EvaluateError },
+    #[error("no picture in {} could be learned", .path.display())]
+    NothingLearned { path: PathBuf },
+    #[error("can't write {}", .path.display())]
+    Write { path: PathBuf, source: io::Error },
+    #[error("can't print")]
+    Print(#[from] io::Error),
+}
+
+/// How the demo went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DemoSummary {
+    /// All questions.
+    pub right: Rate,
+    /// By database and kind of view.
+    pub by_view: Vec<(String, Rate)>,
+    /// Where the pictures are.
+    pub pictures_dir: PathBuf,
+}
+
+/// Learn, ask, print; the pictures and two annotated answers go to `pictures_dir`.
+///
+/// # Errors
+/// [`DemoError`] when the service doesn't answer or refuses, or a picture can't be written. Wrong answers are no
+/// error: they are told.
+pub async fn run(
+    base_url: &str,
+    args: &DemoArgs,
+    pictures_dir: &Path,
+    out: &mut dyn Write,
+) -> Result<DemoSummary, DemoError> {
+    let server = Server::at(base_url)?;
+    let lessons = match &args.images {
+        Some(folder) => {
+            let (lesson, left_out) = own_lesson(folder)?;
+            for reason in left_out {
+                writeln!(out, "left out: {reason}")?;
+            }
+            vec![lesson]
+        }
+        None => vec![room_lesson(), object_lesson()],
+    };
+
+    let mut by_view = Vec::new();
+    let mut shown = None;
+    for lesson in &lessons {
+        let folder = pictures_dir.join(lesson.database);
+        let files = keep(&folder, lesson)?;
+        let version = teach(&server, lesson, out).await?;
+        let rates = examine(&server, lesson, version, out).await?;
+        by_view.extend(rates.into_iter().map(|(view, rate)| (format!("{}: {view}", lesson.database), rate)));
+        if let (Some(question), Some(file)) = (lesson.questions.last(), files.last()) {
+            let annotated = server.annotated(lesson.database, &question.png).await?;
+            write_file(&folder.join("annotated.png"), &annotated)?;
+            shown = Some((lesson.database, file.clone()));
+        }
+    }
+
+    let right = by_view
+        .iter()
+        .fold(Rate::of(0, 0), |sum, (_, rate)| Rate::of(sum.hits + rate.hits, sum.trials + rate.trials));
+    writeln!(out, "\nright in all: {right}")?;
+    for (view, rate) in &by_view {
+        writeln!(out, "  {view:<44}{rate}")?;
+    }
+    writeln!(out, "\npictures: {} (annotated.png: the points and their votes)", pictures_dir.display())?;
+    if let (false, Some((database, file))) = (args.exit, shown) {
+        directions(base_url, database, &file, out)?;
+    }
+    Ok(DemoSummary { right, by_view, pictures_dir: pictures_dir.to_path_buf() })
+}
+
+/// Keep the pictures of a lesson: `learned/<label>.png` and `asked/<n>-<label>.png`. Returns the latter.
+fn keep(folder: &Path, lesson: &Lesson) -> Result<Vec<PathBuf>, DemoError> {
+    let (learned, asked) = (folder.join("learned"), folder.join("asked"));
+    for folder in [&learned, &asked] {
+        // of a run before
+        match fs::remove_dir_all(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            removed => removed,
+        }
+        .and_then(|()| fs::create_dir_all(folder))
+        .map_err(|source| DemoError::Write { path: folder.clone(), source })?;
+    }
+    for (n, exemplar) in lesson.exemplars.iter().enumerate() {
+        write_file(&learned.join(format!("{n:03}-{}.png", exemplar.label)), &exemplar.png)?;
+    }
+    let mut files = Vec::new();
+    for (n, question) in lesson.questions.iter().enumerate() {
+        let file = asked.join(format!("{n:03}-{}.png", question.shown));
+        write_file(&file, &question.png)?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DemoError> {
+    fs::write(path, bytes).map_err(|source| DemoError::Write { path: path.to_path_buf(), source })
+}
+
+/// Create the database, send its pictures, train; returns the version.
+async fn teach(server: &Server, lesson: &Lesson, out: &mut dyn Write) -> Result<u64, DemoError> {
+    let Lesson { database, exemplars, .. } = lesson;
+    server.forget(database).await?;
+    server.create(database).await?;
+    for exemplar in exemplars {
+        server.learn(database, &exemplar.label, &exemplar.png).await?;
+    }
+    let started = std::time::Instant::now();
+    let version = server.train(database).await?;
+    let took_s = started.elapsed().as_secs_f64();
+    let count = exemplars.len();
+    writeln!(out, "\n{database}: {count} pictures learned as version {version} in {took_s:.2} s")?;
+    Ok(version)
+}
+
+/// More rows than this are more than anyone reads: then the wrong answers only.
+const MOST_ROWS: usize = 60;
+
+/// Ask every question, print the answers, count the right ones by view.
+async fn examine(
+    server: &Server,
+    lesson: &Lesson,
+    version: u64,
+    out: &mut dyn Write,
+) -> Result<BTreeMap<String, Rate>, DemoError> {
+    let all = lesson.questions.len() <= MOST_ROWS;
+    if !all {
+        writeln!(out, "of {} answers, the wrong ones:", lesson.questions.len())?;
+    }
+    writeln!(out, "  {:<28}{:<20}{:<20}{:>10}{:>8}", "view", "shown", "answered", "share of W", "ms")?;
+    let mut rates: BTreeMap<String, Rate> = BTreeMap::new();
+    for Question { view, shown, png } in &lesson.questions {
+        let answer = server.ask(lesson.database, version, png).await?;
+        let right = answer.label.as_ref() == Some(shown);
+        let rate = rates.entry(view.clone()).or_insert(Rate::of(0, 0));
+        *rate = Rate::of(rate.hits + usize::from(right), rate.trials + 1);
+        if all || !right {
+            let (label, share, ms) =
+                (answer.label.as_deref().unwrap_or("nothing"), answer.share, answer.recognise_ms);
+            let verdict = if right { "right" } else { "WRONG" };
+            writeln!(out, "  {view:<28}{shown:<20}{label:<20}{share:>10.2}{ms:>8.1}  {verdict}")?;
+        }
+    }
+    Ok(rates)
+}
+
+/// Where to look next.
+fn directions(base_url: &str, database: &str, file: &Path, out: &mut dyn Write) -> Result<(), DemoError> {
+    let (base_url, file) = (base_url.trim_end_matches('/'), file.display());
+    let call = format!("curl --data-binary '@{file}' -H 'Content-Type: image/png'");
+    let url = format!("{base_url}/v1/databases/{database}/recognitions");
+    writeln!(
+        out,
+        "\nlook:\n  {base_url}/docs      every call, to try out\n  {base_url}/metrics   counts and times\n\
+         ask:\n  {call} \\\n    '{url}?explain=true'\n\
+         see the points and votes:\n  {call} \\\n    -H 'Accept: image/png' -o annotated.png '{url}'"
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::oneshot;
+
+    use super::*;
+    use crate::config::{GivenSettings, Settings};
+    use crate::serve::serve;
+
+    /// Run the demo against a service of its own; returns what it printed.
+    fn shown(args: &DemoArgs, folder: &Path) -> (DemoSummary, String) {
+        let given = GivenSettings {
+            bind: Some(([127, 0, 0, 1], 0).into()),
+            data_dir: Some(folder.join("data")),
+            ..GivenSettings::default()
+        };
+        let settings = Settings::settle(given, None).unwrap();
+        tokio::runtime::Runtime::new().unwrap().block_on(async {
+            let (listening, address) = oneshot::channel();
+            let (stop, stopped) = oneshot::channel::<()>();
+            let server = tokio::spawn(async move {
+                let stopped = async { drop(stopped.await) };
+                serve(&settings, |address| listening.send(address).unwrap(), stopped).await
+            });
+            let base_url = format!("http://{}", address.await.unwrap());
+            let mut printed = Vec::new();
+            let summary = run(&base_url, args, &folder.join("pictures"), &mut printed).await.unwrap();
+            stop.send(()).unwrap();
+            server.await.unwrap().unwrap();
+            (summary, String::from_utf8(printed).unwrap())
+        })
+    }
+
+    #[test]
+    fn the_drawn_demo_is_nearly_always_right_and_keeps_its_pictures() {
+        let folder = tempfile::tempdir().unwrap();
+        let (summary, printed) = shown(&DemoArgs { images: None, exit: false }, folder.path());
+        assert_eq!(summary.right.trials, 40);
+        assert!(summary.right.hits >= 36, "{printed}");
+        assert!(printed.contains("/docs") && printed.contains("curl --data-binary"), "{printed}");
+        for database in ["demo-rooms", "demo-objects"] {
+            let annotated = fs::read(summary.pictures_dir.join(database).join("annotated.png")).unwrap();
+            assert!(annotated.starts_with(b"\x89PNG"), "{database}");
+        }
+    }
+
+    #[test]
+    fn own_pictures_are_learned_and_asked_about_and_a_second_run_starts_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own");
+        for exemplar in object_lesson().exemplars.into_iter().take(3) {
+            let label = own.join(&exemplar.label);
+            fs::create_dir_all(&label).unwrap();
+            fs::write(label.join("a.png"), exemplar.png).unwrap();
+        }
+        let args = DemoArgs { images: Some(own.clone()), exit: true };
+        let (summary, printed) = shown(&args, folder.path());
+        assert_eq!(summary.right.trials, 12);
+        assert!(summary.right.hits >= 10, "{printed}");
+        assert!(!printed.contains("curl"), "nothing is left to be called: {printed}");
+        fs::remove_dir_all(own.join("mug")).unwrap();
+        assert_eq!(shown(&args, folder.path()).0.right.trials, 8);
+    }
+}
