@@ -87,7 +87,8 @@ async fn expected(
 
 /// Point an alias to a version. The answer comes when this process serves it.
 #[utoipa::path(
-    put, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    put, operation_id = "put_alias",
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
     request_body = NewAlias,
     responses(
         (status = 200, body = AliasBody, description = "Moved", headers(("ETag" = String))),
@@ -109,7 +110,8 @@ pub async fn put(
 
 /// One alias.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    get, operation_id = "get_alias",
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
     responses((status = 200, body = AliasBody, headers(("ETag" = String))))
 )]
 pub async fn get(State(service): State<Service>, Path(path): Path<AliasPath>) -> Result<Response, Problem> {
@@ -120,7 +122,8 @@ pub async fn get(State(service): State<Service>, Path(path): Path<AliasPath>) ->
 
 /// The aliases of a database, by name.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/aliases", tag = "databases", params(DatabasePath),
+    get, operation_id = "list_aliases",
+    path = "/v1/databases/{database}/aliases", tag = "databases", params(DatabasePath),
     responses((status = 200, body = Page<AliasBody>))
 )]
 pub async fn list(
@@ -134,7 +137,8 @@ pub async fn list(
 
 /// Delete an alias; its version stays.
 #[utoipa::path(
-    delete, path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    delete, operation_id = "delete_alias",
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(

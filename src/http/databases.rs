@@ -113,7 +113,8 @@ pub fn read_options(row: &DatabaseRow) -> Result<LandmarkOptions, Problem> {
 
 /// Create a database, or change the options of the one of that name.
 #[utoipa::path(
-    put, path = "/v1/databases/{database}", tag = "databases", params(DatabasePath), request_body = NewDatabase,
+    put, operation_id = "put_database",
+    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath), request_body = NewDatabase,
     responses(
         (status = 201, body = DatabaseBody, description = "Created"),
         (status = 200, body = DatabaseBody, description = "It was there"),
@@ -141,7 +142,8 @@ pub async fn put(
 
 /// Databases by name.
 #[utoipa::path(
-    get, path = "/v1/databases", tag = "databases", params(PageQuery),
+    get, operation_id = "list_databases",
+    path = "/v1/databases", tag = "databases", params(PageQuery),
     responses((status = 200, body = Page<DatabaseBody>))
 )]
 pub async fn list(
@@ -157,7 +159,8 @@ pub async fn list(
 
 /// One database with counts, aliases and current version.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
+    get, operation_id = "get_database",
+    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
     responses((status = 200, body = DatabaseDetail))
 )]
 pub async fn get(
@@ -179,7 +182,8 @@ pub async fn get(
 
 /// Delete a database with all it holds.
 #[utoipa::path(
-    delete, path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
+    delete, operation_id = "delete_database",
+    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(

@@ -98,7 +98,8 @@ impl BatchBody {
 /// Add many training images: a form with a part `manifest` and then one part named as each file, or a tar archive of
 /// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose).
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/exemplars:batch", tag = "databases", params(DatabasePath),
+    post, operation_id = "add_exemplar_batch",
+    path = "/v1/databases/{database}/exemplars:batch", tag = "databases", params(DatabasePath),
     request_body(content((BatchForm = "multipart/form-data"), (Vec<u8> = "application/x-tar"))),
     responses((status = 200, body = BatchBody))
 )]

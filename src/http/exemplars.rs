@@ -145,7 +145,8 @@ impl Service {
 
 /// Add a training image: the raw picture, or a form with a part `image`. The same again is the same exemplar.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, LabelQuery),
+    post, operation_id = "add_exemplar",
+    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, LabelQuery),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
@@ -184,7 +185,8 @@ pub struct ImageForm {
 
 /// Training images by id.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, ExemplarQuery),
+    get, operation_id = "list_exemplars",
+    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, ExemplarQuery),
     responses((status = 200, body = Page<ExemplarBody>))
 )]
 pub async fn list(
@@ -202,7 +204,8 @@ pub async fn list(
 
 /// One training image.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    get, operation_id = "get_exemplar",
+    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
     responses((status = 200, body = ExemplarBody))
 )]
 pub async fn get(
@@ -215,7 +218,8 @@ pub async fn get(
 
 /// The picture of a training image, byte for byte as it was sent.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/exemplars/{id}/image", tag = "databases", params(ExemplarPath),
+    get, operation_id = "get_exemplar_image",
+    path = "/v1/databases/{database}/exemplars/{id}/image", tag = "databases", params(ExemplarPath),
     responses((status = 200, description = "The picture", content(
         (Vec<u8> = "image/jpeg"), (Vec<u8> = "image/png"), (Vec<u8> = "image/x-portable-anymap")
     )))
@@ -232,7 +236,8 @@ pub async fn image(
 
 /// Delete one training image. Versions trained with it stay as they are.
 #[utoipa::path(
-    delete, path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    delete, operation_id = "delete_exemplar",
+    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
@@ -246,7 +251,8 @@ pub async fn delete(
 
 /// Delete the training images of a label, of a robot, or of both; with neither, nothing.
 #[utoipa::path(
-    delete, path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, DeleteQuery),
+    delete, operation_id = "delete_exemplars",
+    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, DeleteQuery),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete_matching(

@@ -200,7 +200,8 @@ pub async fn train(
 
 /// Jobs, the newest first.
 #[utoipa::path(
-    get, path = "/v1/jobs", tag = "jobs", params(JobQuery), responses((status = 200, body = Page<JobBody>))
+    get, operation_id = "list_jobs",
+    path = "/v1/jobs", tag = "jobs", params(JobQuery), responses((status = 200, body = Page<JobBody>))
 )]
 pub async fn list(
     State(service): State<Service>,
@@ -215,7 +216,8 @@ pub async fn list(
 
 /// One job.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}", tag = "jobs", params(JobPath), responses((status = 200, body = JobBody))
+    get, operation_id = "get_job",
+    path = "/v1/jobs/{id}", tag = "jobs", params(JobPath), responses((status = 200, body = JobBody))
 )]
 pub async fn get(
     State(service): State<Service>,
@@ -226,7 +228,8 @@ pub async fn get(
 
 /// Cancel a job: a waiting one at once, a running one at its next step.
 #[utoipa::path(
-    delete, path = "/v1/jobs/{id}", tag = "jobs", params(JobPath),
+    delete, operation_id = "cancel_job",
+    path = "/v1/jobs/{id}", tag = "jobs", params(JobPath),
     responses((status = 202, body = JobBody, description = "It will end"))
 )]
 pub async fn cancel(
@@ -239,7 +242,8 @@ pub async fn cancel(
 /// A job's life as server-sent events: each the job's body, from its first state on. `id` counts up, `Last-Event-ID`
 /// resumes after it, and the stream ends after the last state.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/events", tag = "jobs",
+    get, operation_id = "follow_job",
+    path = "/v1/jobs/{id}/events", tag = "jobs",
     params(JobPath, ("Last-Event-ID" = Option<i64>, Header, description = "Number of the last event seen")),
     responses((status = 200, description = "Events whose data is a job", body = String, content_type = "text/event-stream"))
 )]

@@ -98,8 +98,9 @@ pub fn router(service: Service) -> Router {
         .method_not_allowed_fallback(rim::method_not_allowed)
         // Bodies have limits of their own, see `body`.
         .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn_with_state(service.clone(), rim::rim))
+        // Outside the rim, so that answers of its own have them too.
         .layer(SetResponseHeaderLayer::if_not_present(X_CONTENT_TYPE_OPTIONS, no_sniffing))
         .layer(SetResponseHeaderLayer::if_not_present(CACHE_CONTROL, no_store))
-        .layer(middleware::from_fn_with_state(service.clone(), rim::rim))
         .with_state(service)
 }

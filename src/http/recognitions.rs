@@ -309,7 +309,8 @@ fn top(query: &RecognitionQuery) -> Result<usize, Problem> {
 
 /// Recognise one frame. With `Accept: image/png` the answer is the frame with points and votes drawn on it.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/recognitions", tag = "recognition", params(DatabasePath, RecognitionQuery),
+    post, operation_id = "recognise",
+    path = "/v1/databases/{database}/recognitions", tag = "recognition", params(DatabasePath, RecognitionQuery),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
@@ -344,7 +345,8 @@ pub async fn post(
 
 /// Recognise several frames: parts that are all called `image`. One bad picture never loses the rest.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/recognitions:batch", tag = "recognition",
+    post, operation_id = "recognise_batch",
+    path = "/v1/databases/{database}/recognitions:batch", tag = "recognition",
     params(DatabasePath, RecognitionQuery),
     request_body(content = ImagesForm, content_type = "multipart/form-data"),
     responses((status = 200, body = RecognitionBatch))

@@ -113,7 +113,8 @@ impl TryFrom<VersionRow> for VersionBody {
 
 /// Versions by number.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath, PageQuery),
+    get, operation_id = "list_versions",
+    path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath, PageQuery),
     responses((status = 200, body = Page<VersionBody>))
 )]
 pub async fn list(
@@ -132,7 +133,8 @@ pub async fn list(
 
 /// One version with its report.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    get, operation_id = "get_version",
+    path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
     responses((status = 200, body = VersionBody))
 )]
 pub async fn get(
@@ -145,7 +147,8 @@ pub async fn get(
 
 /// Delete a version that no alias points to.
 #[utoipa::path(
-    delete, path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    delete, operation_id = "delete_version",
+    path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
@@ -159,7 +162,8 @@ pub async fn delete(
 
 /// The version as one file (safetensors): a backup, or another site's database.
 #[utoipa::path(
-    get, path = "/v1/databases/{database}/versions/{version}/artifact", tag = "databases", params(VersionPath),
+    get, operation_id = "get_version_artifact",
+    path = "/v1/databases/{database}/versions/{version}/artifact", tag = "databases", params(VersionPath),
     responses(
         (status = 200, description = "The artifact file", body = Vec<u8>, content_type = "application/octet-stream",
          headers(("ETag" = String))),
@@ -193,7 +197,8 @@ pub async fn artifact(
 
 /// Take in an artifact file: checked whole, then a new version. The same digest again is the same version.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath),
+    post, operation_id = "import_version",
+    path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 201, body = VersionBody, description = "Taken in"),

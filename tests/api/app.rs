@@ -1,0 +1,347 @@
+//! The service under test: wired as it is in production over a temporary folder, asked through its router.
+//!
+//! Every answer is held against what all answers promise: a request id, and for errors a whole problem document; a
+//! 5xx fails the test unless it is asked for with [`App::send_expecting_5xx`]. A test that leaves a job queued or
+//! running fails when its app is dropped, unless it says so with [`App::leave_jobs`].
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::{HeaderMap, Method, Request, header, request};
+use bytes::Bytes;
+use http_body_util::BodyExt;
+use landmarkd::config::{GivenSettings, Settings};
+use landmarkd::database::JobState;
+use landmarkd::http::{self, Service};
+use landmarkd::serve::{self, Parts};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tokio::runtime::Handle;
+use tokio::sync::watch;
+use tokio::task::{JoinHandle, block_in_place};
+use tower::ServiceExt;
+
+use crate::pictures;
+
+/// Longer than any wait of a test should be.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub struct App {
+    pub service: Service,
+    router: Router,
+    /// The background work, until it is started.
+    held: Option<Parts>,
+    background: Option<JoinHandle<()>>,
+    shutdown: watch::Sender<bool>,
+    folder: Arc<TempDir>,
+    may_leave_jobs: bool,
+}
+
+impl App {
+    /// The service over an empty folder.
+    pub async fn start() -> Self {
+        Self::start_with(|_| ()).await
+    }
+
+    /// The service over an empty folder, with other settings.
+    pub async fn start_with(change: impl FnOnce(&mut Settings)) -> Self {
+        Self::open(Arc::new(tempfile::tempdir().unwrap()), change).await
+    }
+
+    /// The service over a folder that may hold something.
+    pub async fn open(folder: Arc<TempDir>, change: impl FnOnce(&mut Settings)) -> Self {
+        let mut app = Self::open_idle(folder, change).await;
+        app.begin();
+        while app.readiness().await.0 != 200 {
+            tokio::time::sleep(Duration::from_millis(2)).await;
+        }
+        app
+    }
+
+    /// The service over an empty folder, with its background work held back: jobs stay queued until [`App::begin`].
+    pub async fn start_idle() -> Self {
+        Self::open_idle(Arc::new(tempfile::tempdir().unwrap()), |_| ()).await
+    }
+
+    async fn open_idle(folder: Arc<TempDir>, change: impl FnOnce(&mut Settings)) -> Self {
+        let given = GivenSettings {
+            data_dir: Some(folder.path().to_owned()),
+            threads: Some(2),
+            ..GivenSettings::default()
+        };
+        let mut settings = Settings::settle(given, None).unwrap();
+        change(&mut settings);
+        let parts = serve::wire(&settings).await.unwrap();
+        Self {
+            service: parts.service.clone(),
+            router: http::router(parts.service.clone()),
+            held: Some(parts),
+            background: None,
+            shutdown: watch::channel(false).0,
+            folder,
+            may_leave_jobs: false,
+        }
+    }
+
+    /// Start the background work that was held back.
+    pub fn begin(&mut self) {
+        let parts = self.held.take().expect("the background work begins once");
+        self.background = Some(parts.start(self.shutdown.subscribe()).1);
+    }
+
+    /// Jobs may be left unfinished when the app is dropped.
+    pub fn leave_jobs(&mut self) {
+        self.may_leave_jobs = true;
+    }
+
+    /// Shut down; the folder stays for another app.
+    pub fn stop(self) -> Arc<TempDir> {
+        Arc::clone(&self.folder)
+    }
+
+    /// Wait for a future from code that isn't async, such as a property.
+    pub fn now<T>(&self, future: impl Future<Output = T>) -> T {
+        block_in_place(|| Handle::current().block_on(future))
+    }
+
+    async fn ask(&self, request: Request<Body>) -> Answer {
+        let answer = self.answer(request).await;
+        answer.check();
+        answer
+    }
+
+    async fn answer(&self, request: Request<Body>) -> Answer {
+        let asked = format!("{} {}", request.method(), request.uri());
+        let answering = async {
+            let response = self.router.clone().oneshot(request).await.unwrap();
+            let (parts, body) = response.into_parts();
+            let body = body.collect().await.unwrap().to_bytes();
+            Answer { asked: asked.clone(), status: parts.status.as_u16(), headers: parts.headers, body }
+        };
+        let answer = tokio::time::timeout(PATIENCE, answering).await;
+        answer.unwrap_or_else(|_| panic!("no answer to {asked}"))
+    }
+
+    /// Ask, and get the whole answer.
+    pub async fn send(&self, request: Request<Body>) -> Answer {
+        let answer = self.ask(request).await;
+        assert!(answer.status < 500, "{answer:?}");
+        answer
+    }
+
+    /// Ask when the service may be unable to answer.
+    pub async fn send_expecting_5xx(&self, request: Request<Body>) -> Answer {
+        self.ask(request).await
+    }
+
+    /// Whether the service calls itself ready, and the status of that answer.
+    pub async fn readiness(&self) -> (u16, Value) {
+        let answer = self.answer(request(Method::GET, "/readyz").body(Body::empty()).unwrap()).await;
+        (answer.status, answer.json())
+    }
+
+    pub async fn get(&self, path: &str) -> Answer {
+        self.send(request(Method::GET, path).body(Body::empty()).unwrap()).await
+    }
+
+    pub async fn delete(&self, path: &str) -> Answer {
+        self.send(request(Method::DELETE, path).body(Body::empty()).unwrap()).await
+    }
+
+    pub async fn put(&self, path: &str, body: Value) -> Answer {
+        self.send(with_json(request(Method::PUT, path), &body)).await
+    }
+
+    pub async fn post(&self, path: &str, body: Value) -> Answer {
+        self.send(with_json(request(Method::POST, path), &body)).await
+    }
+
+    /// Send bytes as they are.
+    pub async fn post_bytes(&self, path: &str, media_type: &str, bytes: impl Into<Bytes>) -> Answer {
+        self.send(with_bytes(request(Method::POST, path), media_type, bytes)).await
+    }
+
+    /// Send a PNG picture.
+    pub async fn post_png(&self, path: &str, bytes: impl Into<Bytes>) -> Answer {
+        self.post_bytes(path, "image/png", bytes).await
+    }
+
+    /// Create a database that trains fast: few points, short signatures.
+    pub async fn create(&self, database: &str) {
+        let options =
+            json!({"interest_points": 16, "query_points": 24, "rings": 4, "sectors": 16, "dimension": 8});
+        let body = json!({"kind": "landmarks", "options": options});
+        self.put(&format!("/v1/databases/{database}"), body).await.expect(201);
+    }
+
+    /// Add the scene of that number as a training image.
+    pub async fn add(&self, database: &str, label: &str, number: u64) -> Value {
+        let path = format!("/v1/databases/{database}/exemplars?label={label}");
+        let answer = self.post_png(&path, pictures::scene_png(number)).await;
+        assert!(matches!(answer.status, 200 | 201), "{answer:?}");
+        answer.json()
+    }
+
+    /// Train and wait; the finished job, which has succeeded.
+    pub async fn train(&self, database: &str, body: Value) -> Value {
+        let queued = self.post(&format!("/v1/databases/{database}/trainings"), body).await.expect(202);
+        let job = self.finished(&queued).await;
+        assert_eq!(job["state"], "succeeded", "{job:#}");
+        job
+    }
+
+    /// A job after it has ended.
+    pub async fn finished(&self, job: &Value) -> Value {
+        let id = job["id"].as_str().unwrap();
+        // The stream of events ends with the job.
+        self.get(&format!("/v1/jobs/{id}/events")).await;
+        let job = self.get(&format!("/v1/jobs/{id}")).await.expect(200);
+        assert!(matches!(job["state"].as_str(), Some("succeeded" | "failed" | "cancelled")), "{job:#}");
+        job
+    }
+
+    /// A database with the scenes 1, 2, … under labels `place-1`, `place-2`, …, trained.
+    pub async fn trained(&self, database: &str, scenes: u64) {
+        self.create(database).await;
+        for number in 1..=scenes {
+            self.add(database, &format!("place-{number}"), number).await;
+        }
+        self.train(database, json!({})).await;
+    }
+
+    /// Recognise a scene by `current`; the answer's body.
+    pub async fn recognise(&self, database: &str, query: &str, picture: Bytes) -> Value {
+        self.post_png(&format!("/v1/databases/{database}/recognitions{query}"), picture).await.expect(200)
+    }
+}
+
+impl Drop for App {
+    fn drop(&mut self) {
+        let background = self.background.take();
+        let left = self.now(async {
+            let counted = self.service.jobs.by_state().await.unwrap_or_default();
+            self.shutdown.send_replace(true);
+            if let Some(background) = background {
+                let ended = tokio::time::timeout(Duration::from_secs(20), background).await;
+                assert!(ended.is_ok() || std::thread::panicking(), "the background work doesn't end");
+            }
+            counted.into_iter().filter(|(state, _)| !JobState::is_terminal(*state)).collect::<Vec<_>>()
+        });
+        let complains = !self.may_leave_jobs && !std::thread::panicking();
+        assert!(!complains || left.is_empty(), "the test leaves jobs: {left:?}");
+    }
+}
+
+/// A request that is still without headers of its own and body.
+pub fn request(method: Method, path: &str) -> request::Builder {
+    Request::builder().method(method).uri(path)
+}
+
+pub fn with_json(builder: request::Builder, body: &Value) -> Request<Body> {
+    with_bytes(builder, "application/json", body.to_string())
+}
+
+pub fn with_bytes(builder: request::Builder, media_type: &str, bytes: impl Into<Bytes>) -> Request<Body> {
+    builder.header(header::CONTENT_TYPE, media_type).body(Body::from(bytes.into())).unwrap()
+}
+
+/// What the service answered.
+pub struct Answer {
+    asked: String,
+    pub status: u16,
+    pub headers: HeaderMap,
+    pub body: Bytes,
+}
+
+impl std::fmt::Debug for Answer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let body = String::from_utf8_lossy(&self.body[..self.body.len().min(2000)]);
+        write!(f, "{} answered {} {:?} {body}", self.asked, self.status, self.headers)
+    }
+}
+
+impl Answer {
+    /// The body as JSON.
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+
+    /// A header's text, empty when it isn't there.
+    pub fn header(&self, name: &str) -> &str {
+        self.headers.get(name).map_or("", |value| value.to_str().unwrap())
+    }
+
+    /// The body, if the status is this one: JSON, or null for none.
+    #[track_caller]
+    pub fn expect(&self, status: u16) -> Value {
+        assert_eq!(self.status, status, "{self:?}");
+        if self.body.is_empty() { Value::Null } else { self.json() }
+    }
+
+    /// The problem document, if it is this one.
+    #[track_caller]
+    pub fn expect_problem(&self, status: u16, code: &str) -> Value {
+        let problem = self.json();
+        assert_eq!((self.status, problem["code"].as_str()), (status, Some(code)), "{self:?}");
+        problem
+    }
+
+    /// What every answer promises.
+    fn check(&self) {
+        let id = self.header("x-request-id");
+        assert!(!id.is_empty(), "no request id: {self:?}");
+        assert_eq!(self.header("x-content-type-options"), "nosniff", "{self:?}");
+        if self.status < 400 {
+            return;
+        }
+        assert_eq!(self.header("content-type"), "application/problem+json", "{self:?}");
+        let problem = self.json();
+        for member in ["type", "title", "detail", "code", "request_id"] {
+            let text = problem[member].as_str().unwrap_or_default();
+            assert!(!text.is_empty(), "the problem has no {member}: {self:?}");
+        }
+        assert_eq!(problem["status"], self.status, "{self:?}");
+        assert_eq!(problem["request_id"], id, "{self:?}");
+        assert_eq!(problem["type"], format!("urn:landmarkd:problem:{}", problem["code"].as_str().unwrap()));
+        assert_eq!(self.status == 503, self.headers.contains_key(header::RETRY_AFTER), "{self:?}");
+    }
+}
+
+const BOUNDARY: &str = "a-line-that-no-picture-holds";
+
+/// The media type of [`form`].
+pub fn form_type() -> String {
+    format!("multipart/form-data; boundary={BOUNDARY}")
+}
+
+/// A multipart body of parts (name, bytes).
+pub fn form<N: AsRef<str>, B: AsRef<[u8]>>(parts: &[(N, B)]) -> Bytes {
+    let mut body = Vec::new();
+    for (name, bytes) in parts {
+        let name = name.as_ref();
+        let head = format!(
+            "--{BOUNDARY}\r\nContent-Disposition: form-data; name=\"{name}\"; filename=\"../{name}.png\"\r\n\r\n"
+        );
+        body.extend_from_slice(head.as_bytes());
+        body.extend_from_slice(bytes.as_ref());
+        body.extend_from_slice(b"\r\n");
+    }
+    body.extend_from_slice(format!("--{BOUNDARY}--\r\n").as_bytes());
+    body.into()
+}
+
+/// A tar archive of files (path, bytes).
+pub async fn tar<P: AsRef<str>, B: AsRef<[u8]>>(files: &[(P, B)]) -> Bytes {
+    let mut archive = tokio_tar::Builder::new(Vec::new());
+    for (path, bytes) in files {
+        let mut header = tokio_tar::Header::new_gnu();
+        header.set_size(bytes.as_ref().len() as u64);
+        header.set_mode(0o644);
+        header.set_cksum();
+        archive.append_data(&mut header, path.as_ref(), bytes.as_ref()).await.unwrap();
+    }
+    archive.into_inner().await.unwrap().into()
+}

@@ -1,0 +1,169 @@
+//! Limits: too much is refused quickly, and what is refused never takes the rest down.
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use axum::body::Body;
+use axum::http::Method;
+use bytes::Bytes;
+use futures_util::future::join_all;
+use landmarkd::compute::Lane;
+
+use crate::app::{App, form, form_type, request, tar, with_bytes};
+use crate::pictures::{jpeg, png, scene, scene_png};
+
+#[tokio::test(flavor = "multi_thread")]
+async fn too_much_load_is_refused_at_once_with_a_time_to_come_back() {
+    let app = App::start_with(|settings| {
+        settings.threads = 1;
+        settings.limits.waiting_per_thread = 2;
+    })
+    .await;
+    app.trained("lab", 2).await;
+    let (release, held) = mpsc::channel::<()>();
+    let compute = app.service.compute.clone();
+    let blocker =
+        tokio::spawn(async move { compute.run(Lane::Recognition, 0, move || drop(held.recv())).await });
+    while app.service.compute.running(Lane::Recognition) == 0 {
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    let ask =
+        || with_bytes(request(Method::POST, "/v1/databases/lab/recognitions"), "image/png", scene_png(1));
+    let crowd = join_all((0..10).map(|_| app.send_expecting_5xx(ask())));
+    let watch = async {
+        while app.service.compute.waiting(Lane::Recognition) < 2 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        // The pool is full now; what needs none of it is as quick as ever.
+        let started = Instant::now();
+        app.get("/livez").await.expect(200);
+        assert!(started.elapsed() < Duration::from_millis(100), "livez took {:?}", started.elapsed());
+        let started = Instant::now();
+        let refused = app.send_expecting_5xx(ask()).await;
+        refused.expect_problem(503, "overloaded");
+        assert!(refused.header("retry-after").parse::<u64>().unwrap() >= 1);
+        assert!(started.elapsed() < Duration::from_millis(500), "the refusal took {:?}", started.elapsed());
+        drop(release);
+    };
+    let (answers, ()) = tokio::join!(crowd, watch);
+    let statuses: Vec<u16> = answers.iter().map(|answer| answer.status).collect();
+    assert!(statuses.iter().all(|status| matches!(status, 200 | 503)), "{statuses:?}");
+    assert_eq!(
+        statuses.iter().filter(|status| **status == 200).count(),
+        2,
+        "two fit the queue: {statuses:?}"
+    );
+    blocker.await.unwrap().unwrap();
+    // And it recovers by itself.
+    app.send(ask()).await.expect(200);
+    assert!(app.get("/metrics").await.body.windows(12).any(|text| text == b"status=\"503\""));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_batch_has_at_most_so_many_parts() {
+    let app = App::start_with(|settings| settings.limits.max_batch_parts = 3).await;
+    app.trained("lab", 2).await;
+    let frames = |count: usize| form(&vec![("image", scene_png(1)); count]);
+    let path = "/v1/databases/lab/recognitions:batch";
+    let batch = app.post_bytes(path, &form_type(), frames(3)).await.expect(200);
+    assert_eq!(batch["items"].as_array().unwrap().len(), 3);
+    app.post_bytes(path, &form_type(), frames(5)).await.expect_problem(413, "body_too_large");
+
+    let files = |count: u64| (1..=count).map(|n| (format!("cup/{n}.png"), scene_png(n))).collect::<Vec<_>>();
+    let path = "/v1/databases/lab/exemplars:batch";
+    app.post_bytes(path, "application/x-tar", tar(&files(3)).await).await.expect(200);
+    app.post_bytes(path, "application/x-tar", tar(&files(4)).await)
+        .await
+        .expect_problem(413, "body_too_large");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_batch_has_at_most_so_many_bytes_and_keeps_what_came_before() {
+    let app = App::start_with(|settings| settings.limits.max_batch_bytes = 30_000).await;
+    app.create("lab").await;
+    let path = "/v1/databases/lab/exemplars:batch";
+    let archive = tar(&(1..=40).map(|n| (format!("cup/{n}.png"), scene_png(n))).collect::<Vec<_>>()).await;
+    assert!(archive.len() > 60_000);
+    app.post_bytes(path, "application/x-tar", archive).await.expect_problem(413, "body_too_large");
+    let kept = app.get("/v1/databases/lab").await.expect(200)["exemplars"].as_u64().unwrap();
+    assert!((1..40).contains(&kept), "{kept} were kept");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_body_that_does_not_come_is_given_up() {
+    let app = App::start_with(|settings| settings.limits.body_timeout = Duration::from_millis(200)).await;
+    app.trained("lab", 2).await;
+    for (path, media_type) in [
+        ("/v1/databases/lab/recognitions", "image/png".to_owned()),
+        ("/v1/databases/lab/recognitions", form_type()),
+        ("/v1/databases/lab/recognitions:batch", form_type()),
+        ("/v1/databases/lab/exemplars:batch", "application/x-tar".to_owned()),
+        ("/v1/databases/lab/trainings", "application/json".to_owned()),
+    ] {
+        let endless = Body::from_stream(futures_util::stream::pending::<Result<Bytes, std::io::Error>>());
+        let asked = request(Method::POST, path).header("content-type", media_type).body(endless).unwrap();
+        let started = Instant::now();
+        app.send(asked).await.expect_problem(408, "body_timeout");
+        assert!(started.elapsed() < Duration::from_secs(5), "{path} took {:?}", started.elapsed());
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_body_that_breaks_off_is_malformed() {
+    let app = App::start().await;
+    app.trained("lab", 2).await;
+    for (path, media_type) in [
+        ("/v1/databases/lab/recognitions", "image/png".to_owned()),
+        ("/v1/databases/lab/recognitions:batch", form_type()),
+        ("/v1/databases/lab/exemplars:batch", "application/x-tar".to_owned()),
+    ] {
+        let pieces = [Ok(scene_png(1).slice(..50)), Err(std::io::Error::other("the line went dead"))];
+        let body = Body::from_stream(futures_util::stream::iter(pieces));
+        let asked = request(Method::POST, path).header("content-type", media_type).body(body).unwrap();
+        app.send(asked).await.expect_problem(400, "malformed_request");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_request_that_takes_too_long_is_answered_all_the_same() {
+    let app = App::start_with(|settings| {
+        settings.threads = 1;
+        settings.limits.request_timeout = Duration::from_millis(300);
+    })
+    .await;
+    app.trained("lab", 2).await;
+    let (release, held) = mpsc::channel::<()>();
+    let compute = app.service.compute.clone();
+    let blocker =
+        tokio::spawn(async move { compute.run(Lane::Recognition, 0, move || drop(held.recv())).await });
+    while app.service.compute.running(Lane::Recognition) == 0 {
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    let ask =
+        || with_bytes(request(Method::POST, "/v1/databases/lab/recognitions"), "image/png", scene_png(1));
+    app.send_expecting_5xx(ask()).await.expect_problem(503, "deadline_exceeded");
+    assert_eq!(app.service.compute.waiting(Lane::Recognition), 0, "who gave up doesn't wait any more");
+    drop(release);
+    blocker.await.unwrap().unwrap();
+    app.send(ask()).await.expect(200);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pictures_cut_off_anywhere_are_answered_with_a_problem_or_what_can_be_seen() {
+    let app = App::start().await;
+    app.trained("lab", 2).await;
+    // Noise, so that the files are long: no compressor shortens it.
+    let mut numbers = crate::pictures::Numbers::seeded(11);
+    let pixels: Vec<u8> = (0..3 * 96 * 96).map(|_| numbers.next() as u8).collect();
+    let noise = landmarkd::imaging::Frame::from_rgb8(96, 96, &pixels);
+    for picture in [png(&noise), jpeg(&noise), jpeg(&scene(1))] {
+        assert!(picture.len() > 2000);
+        let kilobytes = (0..picture.len()).step_by(1024);
+        let ends = (0..64.min(picture.len())).chain(kilobytes).chain(picture.len() - 8..picture.len());
+        for length in ends {
+            let answer = app.post_png("/v1/databases/lab/recognitions", picture.slice(..length)).await;
+            assert!(matches!(answer.status, 200 | 400 | 415), "{length} bytes: {answer:?}");
+        }
+        app.post_png("/v1/databases/lab/recognitions", picture).await.expect(200);
+    }
+}

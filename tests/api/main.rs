@@ -1,0 +1,17 @@
+//! What the service promises its users, one file a promise: the real router over an embedded store in a temporary
+//! folder, no ports. Only `restarts` starts the real binary.
+
+mod app;
+mod pictures;
+mod process;
+
+mod exemplars;
+mod freeform;
+mod jobs;
+mod limits;
+mod main_job;
+mod problems;
+mod restarts;
+mod service;
+mod swaps;
+mod versions;

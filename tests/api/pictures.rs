@@ -1,0 +1,83 @@
+//! Little pictures for the tests, drawn by code: the same number gives the same picture.
+
+use bytes::Bytes;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
+use landmarkd::imaging::encode::png_rgb8;
+use landmarkd::imaging::{Frame, Image};
+
+/// Side of a scene, in pixels.
+pub const SIDE_PX: usize = 56;
+
+/// A generator of well-mixed numbers (splitmix64): small, seeded, the same everywhere.
+pub struct Numbers(u64);
+
+impl Numbers {
+    pub fn seeded(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bf0_3635)
+    }
+
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// A number below `end`.
+    pub fn below(&mut self, end: u64) -> u64 {
+        self.next() % end
+    }
+}
+
+/// A scene of its own for every number: discs and bars of many grey levels and some colour.
+pub fn scene(number: u64) -> Frame {
+    let mut numbers = Numbers::seeded(number);
+    let mut planes = [100.0_f32, 90.0, 80.0].map(|level| Image::from_fn(SIDE_PX, SIDE_PX, |_, _| level));
+    for _ in 0..14 {
+        let (centre_x, centre_y) =
+            (numbers.below(SIDE_PX as u64) as f32, numbers.below(SIDE_PX as u64) as f32);
+        let (half_width, half_height) = (2.0 + numbers.below(6) as f32, 2.0 + numbers.below(6) as f32);
+        let is_disc = numbers.below(2) == 0;
+        let level = numbers.below(256) as f32;
+        for (plane, shift) in planes.iter_mut().zip([0, 1, 2].map(|_| numbers.below(60) as f32 - 30.0)) {
+            for at in 0..SIDE_PX * SIDE_PX {
+                let (dx, dy) = ((at % SIDE_PX) as f32 - centre_x, (at / SIDE_PX) as f32 - centre_y);
+                let inside = if is_disc {
+                    dx * dx + dy * dy < half_width * half_width
+                } else {
+                    dx.abs() < half_width && dy.abs() < half_height
+                };
+                if inside {
+                    plane.pixels_mut()[at] = (level + shift).clamp(0.0, 255.0);
+                }
+            }
+        }
+    }
+    Frame::colour(planes)
+}
+
+/// The frame as a PNG file.
+pub fn png(frame: &Frame) -> Bytes {
+    png_rgb8(frame.width(), frame.height(), &frame.to_rgb8()).into()
+}
+
+/// The frame as a JPEG file.
+pub fn jpeg(frame: &Frame) -> Bytes {
+    let (mut bytes, width, height) = (Vec::new(), frame.width() as u16, frame.height() as u16);
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, 95);
+    let (width, height) = (u32::from(width), u32::from(height));
+    let encoded = { encoder }.encode(&frame.to_rgb8(), width, height, ExtendedColorType::Rgb8);
+    encoded.expect("memory takes every byte of a well-formed picture");
+    bytes.into()
+}
+
+/// The PNG file of a scene.
+pub fn scene_png(number: u64) -> Bytes {
+    png(&scene(number))
+}
+
+/// A picture without any structure.
+pub fn flat_png(level: u8) -> Bytes {
+    png_rgb8(SIDE_PX, SIDE_PX, &vec![level; 3 * SIDE_PX * SIDE_PX]).into()
+}

@@ -1,0 +1,89 @@
+//! The real binary as a process of its own, on a port that the system chooses.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// The binary with nothing of this process's own settings.
+pub fn landmarkd() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landmarkd"));
+    for (name, _) in std::env::vars_os() {
+        if name.to_string_lossy().starts_with("LANDMARKD_") {
+            command.env_remove(name);
+        }
+    }
+    command
+}
+
+/// A service that runs; killed when it is dropped.
+pub struct Process {
+    child: Child,
+    /// Where it listens, as `http://address`.
+    pub url: String,
+    log: Option<JoinHandle<Vec<String>>>,
+}
+
+impl Process {
+    /// Start the service over a folder, and wait until it listens.
+    pub fn start(folder: &Path) -> Self {
+        let mut child = landmarkd()
+            .args(["serve", "--bind", "127.0.0.1:0", "--threads", "2", "--log-format", "json", "--data-dir"])
+            .arg(folder)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (found, address) = mpsc::channel();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        let log = std::thread::spawn(move || {
+            let mut lines = Vec::new();
+            for line in stderr.lines().map_while(Result::ok) {
+                let event: Value = serde_json::from_str(&line).unwrap_or_default();
+                if let Some(address) = event["address"].as_str() {
+                    // Nobody waits for a second one.
+                    let _ = found.send(address.to_owned());
+                }
+                lines.push(line);
+            }
+            lines
+        });
+        let Ok(address) = address.recv_timeout(Duration::from_secs(20)) else {
+            let _ = child.kill();
+            panic!("the service doesn't listen: {:?}", log.join());
+        };
+        Self { child, url: format!("http://{address}"), log: Some(log) }
+    }
+
+    /// The address without its scheme.
+    pub fn address(&self) -> &str {
+        self.url.strip_prefix("http://").unwrap()
+    }
+
+    /// End it as a power cut would.
+    pub fn kill(mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// Ask it to end, as a supervisor does; its exit status, how long it took, and its log.
+    pub fn terminate(mut self) -> (ExitStatus, Duration, Vec<String>) {
+        let started = Instant::now();
+        let asked = Command::new("kill").arg("-TERM").arg(self.child.id().to_string()).status().unwrap();
+        assert!(asked.success());
+        let status = self.child.wait().unwrap();
+        let log = self.log.take().unwrap().join().unwrap();
+        (status, started.elapsed(), log)
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

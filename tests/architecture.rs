@@ -1,0 +1,337 @@
+//! The architecture's rules, checked against the source: which room may use which, one door per outside crate, what
+//! the pure rooms never mention, and what stands nowhere. Each rule is a table; a failure names file and line.
+//!
+//! A room is a folder of `src` or a file directly in it. Comments and texts are blanked before looking, and a file's
+//! unit tests (from `#[cfg(test)] mod tests` on) are left out: they may use what they like.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Which rooms a room may use. The rooms that only wire may use all.
+const ARROWS: [(&str, &[&str]); 11] = [
+    ("imaging", &[]),
+    ("vision", &["imaging"]),
+    ("eigen", &[]),
+    ("recognition", &["vision", "eigen", "imaging"]),
+    ("store", &[]),
+    ("compute", &[]),
+    ("config", &[]),
+    // Settings say how log lines are written.
+    ("telemetry", &["config"]),
+    ("database", &["recognition", "store", "compute", "telemetry"]),
+    // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
+    // described.
+    ("jobs", &["database", "store", "recognition", "imaging", "compute", "telemetry"]),
+    // Of the store, only the errors that problems are made of (see DOORS).
+    ("http", &["database", "jobs", "compute", "config", "telemetry", "imaging", "recognition", "store"]),
+];
+
+/// Rooms that wire the others together.
+const WIRING: [&str; 5] = ["lib", "main", "serve", "demo", "evaluate"];
+
+/// Where a word may stand: folders or files of `src`.
+const DOORS: [(&str, &[&str]); 27] = [
+    ("image::", &["imaging"]),
+    ("embedded_graphics", &["imaging/overlay.rs"]),
+    ("rustfft", &["vision/signature.rs"]),
+    ("faer", &["eigen"]),
+    ("kiddo", &["eigen"]),
+    ("pulp", &["vision", "eigen"]),
+    ("sqlx", &["store"]),
+    ("object_store", &["store"]),
+    ("blake3", &["store"]),
+    // The sum of an exemplar's bytes is part of the contract, not of the store.
+    ("sha2", &["database/exemplar.rs"]),
+    ("safetensors", &["database/artifact.rs"]),
+    ("arc_swap", &["database/registry.rs"]),
+    ("rayon", &["compute.rs"]),
+    ("prometheus", &["telemetry.rs"]),
+    ("tracing", &["database", "jobs", "http", "serve.rs", "main.rs", "demo.rs", "evaluate.rs"]),
+    ("tracing_subscriber", &["telemetry.rs"]),
+    ("axum::", &["http"]),
+    ("utoipa", &["http"]),
+    ("tower_http", &["http"]),
+    ("http_body_util", &["http"]),
+    ("axum_server", &["serve.rs"]),
+    ("hyper_util", &["serve.rs"]),
+    ("reqwest", &["main.rs", "demo", "demo.rs", "evaluate", "evaluate.rs"]),
+    // The flags of a verb name their variables beside the verb; clap reads them.
+    ("env =", &["config.rs", "main.rs"]),
+    ("clap", &["config.rs", "main.rs"]),
+    ("anyhow", &["main.rs", "demo", "demo.rs", "evaluate", "evaluate.rs"]),
+    ("crate::store", &["database", "jobs", "serve.rs", "http/problem.rs"]),
+];
+
+/// Rooms of values in, values out.
+const PURE: [&str; 4] = ["imaging", "vision", "eigen", "recognition"];
+
+/// What the pure rooms never mention.
+const IMPURE: [&str; 17] = [
+    "async",
+    "await",
+    "tokio",
+    "futures_util",
+    "std::fs",
+    "std::net",
+    "std::time",
+    "std::process",
+    "std::env",
+    "SystemTime",
+    "Instant",
+    "Mutex",
+    "RwLock",
+    "Condvar",
+    "tracing",
+    "log",
+    "rand",
+];
+
+/// What stands nowhere.
+const NOWHERE: [&str; 9] = [
+    "unsafe",
+    "todo!",
+    "unimplemented!",
+    "dbg!",
+    "#[allow",
+    "#![allow",
+    "mod utils",
+    "env::var",
+    "env::vars",
+];
+
+/// A file of `src`: its path there, and its lines without comments, texts and unit tests.
+struct Source {
+    path: String,
+    lines: Vec<String>,
+}
+
+impl Source {
+    fn room(&self) -> &str {
+        self.path.split(['/', '.']).next().unwrap()
+    }
+
+    /// Numbers and lines in which a word stands by itself.
+    fn mentions<'a>(&'a self, word: &'a str) -> impl Iterator<Item = (usize, &'a str)> {
+        let lines = self.lines.iter().enumerate();
+        lines.filter(move |(_, line)| stands_in(word, line)).map(|(at, line)| (at + 1, line.trim()))
+    }
+
+    fn is_in(&self, places: &[&str]) -> bool {
+        places.iter().any(|place| self.path == *place || self.path.starts_with(&format!("{place}/")))
+    }
+}
+
+/// Whether `word` stands in `line` and is not a part of a longer name.
+fn stands_in(word: &str, line: &str) -> bool {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + word.len()..].chars().next();
+        // `other::image::x` is somebody else's `image`.
+        let starts = !word.starts_with(is_name) || !before.is_some_and(|c| is_name(c) || c == ':');
+        starts && !(word.ends_with(is_name) && after.is_some_and(is_name))
+    })
+}
+
+/// The text with comments, strings and characters blanked; lines stay where they are.
+fn blanked(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    let starts = |at: usize, what: &str| what.chars().enumerate().all(|(n, c)| chars.get(at + n) == Some(&c));
+    while at < chars.len() {
+        let is_name_before = at > 0 && (chars[at - 1].is_alphanumeric() || chars[at - 1] == '_');
+        let hashes = chars[at..].iter().skip(1).take_while(|c| **c == '#').count();
+        let end = if starts(at, "//") {
+            (at..chars.len()).find(|&end| chars[end] == '\n').unwrap_or(chars.len())
+        } else if starts(at, "/*") {
+            (at + 2..chars.len()).find(|&end| starts(end, "*/")).map_or(chars.len(), |end| end + 2)
+        } else if chars[at] == 'r' && !is_name_before && chars.get(at + 1 + hashes) == Some(&'"') {
+            let close = format!("\"{}", "#".repeat(hashes));
+            let from = at + 2 + hashes;
+            (from..chars.len()).find(|&end| starts(end, &close)).map_or(chars.len(), |end| end + close.len())
+        } else if chars[at] == '"' {
+            let mut end = at + 1;
+            while end < chars.len() && chars[end] != '"' {
+                end += if chars[end] == '\\' { 2 } else { 1 };
+            }
+            end + 1
+        } else if chars[at] == '\'' && chars.get(at + 1) == Some(&'\\') {
+            (at + 3..chars.len()).find(|&end| chars[end] == '\'').map_or(chars.len(), |end| end + 1)
+        } else if chars[at] == '\'' && chars.get(at + 2) == Some(&'\'') {
+            at + 3
+        } else {
+            out.push(chars[at]);
+            at += 1;
+            continue;
+        };
+        let end = end.min(chars.len());
+        out.extend(chars[at..end].iter().map(|c| if *c == '\n' { '\n' } else { ' ' }));
+        at = end;
+    }
+    out
+}
+
+fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files_below(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    files_below(&root, &mut files);
+    files.sort();
+    let sources: Vec<Source> = files
+        .into_iter()
+        .map(|file| {
+            let text = blanked(&fs::read_to_string(&file).unwrap());
+            let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+            let path = file.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+            Source { path, lines: text.lines().map(str::to_owned).collect() }
+        })
+        .collect();
+    assert!(sources.len() > 40, "the source was not found at {}", root.display());
+    sources
+}
+
+/// Fails with every offence, one a line.
+#[track_caller]
+fn none(offences: Vec<String>) {
+    let mut text = String::new();
+    for offence in &offences {
+        writeln!(text, "  src/{offence}").unwrap();
+    }
+    assert!(offences.is_empty(), "\n{text}");
+}
+
+/// The rooms that a line uses: after `crate::`, or the first names inside `crate::{…}`.
+fn rooms_used(line: &str) -> Vec<&str> {
+    let mut rooms = Vec::new();
+    for (at, _) in line.match_indices("crate::") {
+        let rest = &line[at + "crate::".len()..];
+        match rest.strip_prefix('{') {
+            None => rooms.push(rest),
+            Some(list) => {
+                let mut depth = 0;
+                for part in list.split(',') {
+                    if depth == 0 {
+                        rooms.push(part.trim());
+                    }
+                    depth += part.matches('{').count() as i64 - part.matches('}').count() as i64;
+                }
+            }
+        }
+    }
+    let name = |text: &str| text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    rooms.into_iter().map(|text| &text[..name(text)]).filter(|room| !room.is_empty()).collect()
+}
+
+#[test]
+fn rooms_use_only_the_rooms_that_the_arrows_allow() {
+    let mut offences = Vec::new();
+    for source in sources() {
+        let room = source.room();
+        if WIRING.contains(&room) {
+            continue;
+        }
+        let Some((_, allowed)) = ARROWS.iter().find(|(name, _)| *name == room) else {
+            offences.push(format!("{}: the room {room} has no arrows: give it some", source.path));
+            continue;
+        };
+        for (at, line) in source.lines.iter().enumerate() {
+            for used in rooms_used(line).into_iter().filter(|used| *used != room && !allowed.contains(used)) {
+                offences.push(format!("{}:{}: {room} uses {used}: {}", source.path, at + 1, line.trim()));
+            }
+        }
+    }
+    none(offences);
+}
+
+#[test]
+fn each_outside_crate_has_one_door() {
+    let sources = sources();
+    let mut offences = Vec::new();
+    for (word, doors) in DOORS {
+        for source in sources.iter().filter(|source| !source.is_in(doors)) {
+            let found = source.mentions(word).filter(|_| word != "crate::store" || source.room() != "store");
+            offences.extend(
+                found.map(|(at, line)| format!("{}:{at}: {word} has no door here: {line}", source.path)),
+            );
+        }
+    }
+    none(offences);
+}
+
+#[test]
+fn every_door_is_used() {
+    let sources = sources();
+    for (word, doors) in DOORS {
+        let used = sources.iter().any(|source| source.is_in(doors) && source.mentions(word).next().is_some());
+        assert!(used, "nothing uses {word} at {doors:?}: take it out of the table, or out of Cargo.toml");
+    }
+}
+
+#[test]
+fn the_middle_of_the_house_waits_for_nothing_and_touches_nothing() {
+    let mut offences = Vec::new();
+    for source in sources().iter().filter(|source| source.is_in(&PURE)) {
+        for word in IMPURE {
+            let found = source.mentions(word);
+            offences.extend(
+                found.map(|(at, line)| format!("{}:{at}: {word} in a pure room: {line}", source.path)),
+            );
+        }
+    }
+    none(offences);
+}
+
+#[test]
+fn what_the_house_does_without_stands_nowhere() {
+    let mut offences = Vec::new();
+    for source in sources() {
+        for word in NOWHERE {
+            offences.extend(
+                source.mentions(word).map(|(at, line)| format!("{}:{at}: {word}: {line}", source.path)),
+            );
+        }
+        if source.path.contains("utils") {
+            offences.push(format!("{}: a file is one noun of the field, not utils", source.path));
+        }
+    }
+    none(offences);
+}
+
+#[test]
+fn every_file_says_what_it_holds() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = sources()
+        .into_iter()
+        .filter(|source| !fs::read_to_string(root.join(&source.path)).unwrap().starts_with("//! "));
+    none(files.map(|source| format!("{}:1: the first line is no `//!`", source.path)).collect());
+}
+
+#[test]
+fn names_in_comments_and_texts_do_not_count_and_parts_of_names_neither() {
+    let text = "let a = \"sqlx \\\" sqlx\"; // sqlx\nlet c = '\"'; sqlx::query(r#\"sqlx \" \"#) /* sqlx\n */ + my_sqlx";
+    let blank = blanked(text);
+    assert_eq!(blank.lines().count(), 3);
+    let lines: Vec<bool> = blank.lines().map(|line| stands_in("sqlx", line)).collect();
+    assert_eq!(lines, [false, true, false], "{blank}");
+    assert!(!stands_in("image::", "use super::image::Image;") && stands_in("image::", "use image::codecs;"));
+    assert!(stands_in("crate::store", "pub use crate::store::{A};"));
+}
+
+#[test]
+fn the_rooms_of_a_line_are_found_in_lists_too() {
+    assert_eq!(rooms_used("use crate::http::{self, Service};"), ["http"]);
+    assert_eq!(rooms_used("use crate::{imaging, vision::{a, b}, eigen};"), ["imaging", "vision", "eigen"]);
+    assert_eq!(rooms_used("let x: crate::compute::Lane = crate::store::y();"), ["compute", "store"]);
+}
