@@ -9,6 +9,7 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::{Parser, Subcommand};
 use landmarkd::config::{GivenSettings, Settings};
+use landmarkd::demo::{self, DemoArgs};
 use landmarkd::evaluate::EvaluateArgs;
 use landmarkd::{http, serve, telemetry};
 
@@ -27,6 +28,13 @@ enum Verb {
         /// Settings as TOML; flags and environment win over it
         #[arg(long, env = "LANDMARKD_CONFIG", value_name = "FILE")]
         config: Option<PathBuf>,
+        #[command(flatten)]
+        settings: GivenSettings,
+    },
+    /// Learn pictures, ask about disturbed views of them over HTTP, tell how it went, and keep serving
+    Demo {
+        #[command(flatten)]
+        args: DemoArgs,
         #[command(flatten)]
         settings: GivenSettings,
     },
@@ -66,6 +74,7 @@ fn run(verb: Verb) -> anyhow::Result<()> {
             ))?;
             Ok(())
         }
+        Verb::Demo { args, settings } => demonstrate(&args, settings),
         Verb::Evaluate(args) => evaluate(&args),
         Verb::Openapi => {
             std::io::stdout().write_all(http::openapi::text().as_bytes())?;
@@ -73,6 +82,50 @@ fn run(verb: Verb) -> anyhow::Result<()> {
         }
         Verb::Healthcheck { bind } => runtime()?.block_on(healthcheck(bind)),
     }
+}
+
+fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> {
+    given.data_dir.get_or_insert_with(|| PathBuf::from("landmarkd-demo"));
+    // Where no address was asked for, a taken one is no reason to stop.
+    if given.bind.is_none() && std::net::TcpListener::bind(("127.0.0.1", 8080)).is_err() {
+        given.bind = Some(SocketAddr::from(([127, 0, 0, 1], 0)));
+    }
+    let settings = Settings::settle(given, None)?;
+    telemetry::start_logging(settings.log_format, true);
+    runtime()?.block_on(async {
+        let (announce, mut listening) = tokio::sync::mpsc::unbounded_channel();
+        let (finished, finish) = tokio::sync::oneshot::channel::<()>();
+        let stop = async {
+            // Without --exit the other end is never used, and the signal decides.
+            tokio::select! {
+                () = stop_signal() => {}
+                Ok(()) = finish => {}
+            }
+        };
+        let serving = serve::serve(&settings, |address| drop(announce.send(address)), stop);
+        let showing = async {
+            let Some(address) = listening.recv().await else { return anyhow::Ok(()) };
+            let pictures = settings.data_dir.join("pictures");
+            let shown =
+                demo::run(&format!("http://{address}"), args, &pictures, &mut std::io::stdout()).await;
+            if args.exit || shown.is_err() {
+                drop(finished.send(()));
+            } else {
+                println!("\nServing on http://{address} until Ctrl-C.");
+                std::future::pending::<()>().await;
+            }
+            shown?;
+            Ok(())
+        };
+        tokio::pin!(serving);
+        tokio::select! {
+            served = &mut serving => Ok(served?),
+            shown = showing => {
+                serving.await?;
+                shown
+            }
+        }
+    })
 }
 
 fn evaluate(args: &EvaluateArgs) -> anyhow::Result<()> {
