@@ -1,9 +1,8 @@
 //! The bounded CPU pool: permit → run off the async runtime → answer; refuses when full.
 //!
-//! Two lanes, each with threads of its own, so that training never starves recognition: `Recognition` has one
-//! thread a core (or `--threads`), `Training` half of that. A lane holds at most `threads` running and
-//! `waiting` waiting pieces of work; one more is refused at once, so a pile-up can't form.
-//! Pictures also take their decoded size from one common budget of bytes before they are decoded.
+//! Three lanes, each with threads and memory of its own, so that none starves another. A lane holds at most
+//! `threads` running and `waiting` waiting pieces of work; one more is refused at once, so a pile-up can't form.
+//! Pictures also take what they need from the lane's budget of bytes before they are decoded.
 
 use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
@@ -11,14 +10,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use tokio::sync::Semaphore;
+use tokio_util::task::AbortOnDropHandle;
 
 /// Which share of the pool a piece of work runs on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
-    /// Work that a client waits for.
+    /// Recognitions: one thread a core, or `--threads`.
     Recognition,
-    /// Work of background jobs.
+    /// Background jobs: half as many.
     Training,
+    /// Checking uploaded pictures and loading versions: one thread.
+    Upkeep,
 }
 
 /// Why work was not done.
@@ -42,70 +44,72 @@ struct LanePool {
     pool: rayon::ThreadPool,
     permits: Arc<Semaphore>,
     threads: usize,
-    waiting: Arc<AtomicUsize>,
+    waiting: AtomicUsize,
     most_waiting: usize,
+    /// Counts units of [`MEMORY_UNIT_BYTES`].
+    memory: Arc<Semaphore>,
+    memory_units: u32,
 }
+
+/// Finer than any picture that matters, and coarse enough for the semaphore's counter.
+const MEMORY_UNIT_BYTES: u64 = 64 << 10;
+/// Background work queues by itself, one job or body at a time, so its lanes need no tight bound.
+const MOST_WAITING_IN_BACKGROUND: usize = 4096;
 
 /// The pool; cheap to clone.
 #[derive(Clone)]
 pub struct Compute {
     recognition: Arc<LanePool>,
     training: Arc<LanePool>,
-    decode_bytes: Arc<Semaphore>,
-    decode_unit_bytes: u64,
-    decode_units: u32,
+    upkeep: Arc<LanePool>,
 }
 
 /// Counts itself in the queue of a lane for as long as it lives.
-struct Waiting(Arc<AtomicUsize>);
+struct Waiting(Arc<LanePool>);
 
 impl Drop for Waiting {
     fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
+        self.0.waiting.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
 impl Compute {
-    /// Start `threads` recognition threads and half as many training threads (at least one each).
+    /// Start the lanes: `threads` for recognition, the others as [`Lane`] says. Pictures may take `memory_bytes` in
+    /// all: half of it in recognitions, a quarter in each other lane.
     ///
     /// # Errors
     /// The operating system starts no threads.
-    pub fn new(
-        threads: usize,
-        waiting_per_thread: usize,
-        decode_bytes_total: u64,
-    ) -> Result<Self, ComputeError> {
-        let lane = |name: &'static str, threads: usize, most_waiting: usize| {
+    pub fn new(threads: usize, waiting_per_thread: usize, memory_bytes: u64) -> Result<Self, ComputeError> {
+        let lane = |name: &'static str, threads: usize, most_waiting: usize, memory_bytes: u64| {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .thread_name(move |n| format!("{name}-{n}"))
                 .build()
                 .map_err(|source| ComputeError::NoThreads { source })?;
+            let memory_units = (memory_bytes / MEMORY_UNIT_BYTES).clamp(1, 1 << 24) as u32;
             Ok(Arc::new(LanePool {
                 pool,
                 permits: Arc::new(Semaphore::new(threads)),
                 threads,
-                waiting: Arc::default(),
+                waiting: AtomicUsize::new(0),
                 most_waiting,
+                memory: Arc::new(Semaphore::new(memory_units as usize)),
+                memory_units,
             }))
         };
-        // The semaphore counts units of 64 KiB: finer than any picture that matters, and 1 GiB fits its counter.
-        let decode_unit_bytes = 64 << 10;
-        let decode_units = (decode_bytes_total / decode_unit_bytes).clamp(1, 1 << 24) as u32;
+        let background = MOST_WAITING_IN_BACKGROUND;
         Ok(Self {
-            recognition: lane("recognise", threads.max(1), threads * waiting_per_thread)?,
-            // Background work queues by itself (one job at a time), so its lane needs no tight bound.
-            training: lane("train", (threads / 2).max(1), 4096)?,
-            decode_bytes: Arc::new(Semaphore::new(decode_units as usize)),
-            decode_unit_bytes,
-            decode_units,
+            recognition: lane("recognise", threads.max(1), threads * waiting_per_thread, memory_bytes / 2)?,
+            training: lane("train", (threads / 2).max(1), background, memory_bytes / 4)?,
+            upkeep: lane("upkeep", 1, background, memory_bytes / 4)?,
         })
     }
 
-    fn lane(&self, lane: Lane) -> &LanePool {
+    fn lane(&self, lane: Lane) -> &Arc<LanePool> {
         match lane {
             Lane::Recognition => &self.recognition,
             Lane::Training => &self.training,
+            Lane::Upkeep => &self.upkeep,
         }
     }
 
@@ -128,7 +132,7 @@ impl Compute {
     /// Run `work` on a thread of the lane and return its value with the time it waited for the thread.
     ///
     /// `picture_bytes` is what the picture takes while it is worked on (0: no picture); it is taken from the
-    /// common budget first. A picture larger than the whole budget gets all of it: it then runs alone.
+    /// lane's budget first. A picture larger than the whole budget gets all of it: it then runs alone.
     /// When the caller goes away while the work waits, the work is dropped unrun.
     ///
     /// # Errors
@@ -143,30 +147,45 @@ impl Compute {
         T: Send + 'static,
         F: FnOnce() -> T + Send + 'static,
     {
-        let lane = self.lane(lane);
+        let lane = Arc::clone(self.lane(lane));
+        let free = lane.permits.available_permits() > 0;
+        let ahead = lane.waiting.fetch_add(1, Ordering::Relaxed);
+        let counted = Waiting(Arc::clone(&lane));
+        if !free && ahead >= lane.most_waiting {
+            return Err(ComputeError::Full {
+                waiting: ahead,
+                // 20 ms a frame is what a busy robot camera costs; the client's own jitter does the rest.
+                retry_after: Duration::from_millis(20 * ahead as u64 / lane.threads as u64),
+            });
+        }
+        // A task of its own: a caller that isn't polled for a while must not sit on a permit it was given.
+        let task = tokio::spawn(lane.wait_and_run(counted, picture_bytes, work));
+        match AbortOnDropHandle::new(task).await {
+            Ok(done) => done,
+            Err(error) => Err(ComputeError::Panicked { message: error.to_string() }),
+        }
+    }
+}
+
+impl LanePool {
+    async fn wait_and_run<T, F>(
+        self: Arc<Self>,
+        counted: Waiting,
+        picture_bytes: u64,
+        work: F,
+    ) -> Result<(T, Duration), ComputeError>
+    where
+        T: Send + 'static,
+        F: FnOnce() -> T + Send + 'static,
+    {
         let arrived = Instant::now();
-        let permit = match Arc::clone(&lane.permits).try_acquire_owned() {
-            Ok(permit) => permit,
-            Err(_) => {
-                let ahead = lane.waiting.fetch_add(1, Ordering::Relaxed);
-                let _counted = Waiting(Arc::clone(&lane.waiting));
-                if ahead >= lane.most_waiting {
-                    return Err(ComputeError::Full {
-                        waiting: ahead,
-                        // 20 ms a frame is what a busy robot camera costs; the client's own jitter does the rest.
-                        retry_after: Duration::from_millis(20 * ahead as u64 / lane.threads as u64),
-                    });
-                }
-                let permit = Arc::clone(&lane.permits).acquire_owned().await;
-                permit.expect("the semaphore is never closed")
-            }
-        };
-        let units = picture_bytes.div_ceil(self.decode_unit_bytes).min(u64::from(self.decode_units)) as u32;
-        let memory = Arc::clone(&self.decode_bytes).acquire_many_owned(units).await;
-        let memory = memory.expect("the semaphore is never closed");
+        let permit = Arc::clone(&self.permits).acquire_owned().await.expect("never closed");
+        let units = picture_bytes.div_ceil(MEMORY_UNIT_BYTES).min(u64::from(self.memory_units)) as u32;
+        let memory = Arc::clone(&self.memory).acquire_many_owned(units).await.expect("never closed");
+        drop(counted);
         let queued = arrived.elapsed();
         let (answer, receive) = tokio::sync::oneshot::channel();
-        lane.pool.spawn(move || {
+        self.pool.spawn(move || {
             let result = if answer.is_closed() {
                 None
             } else {
@@ -236,6 +255,26 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn a_caller_that_is_not_polled_holds_nobody_up() {
+        let compute = Compute::new(1, 4, 1 << 20).unwrap();
+        let (release, held) = mpsc::channel::<()>();
+        let first = tokio::spawn({
+            let compute = compute.clone();
+            async move { compute.run(Lane::Recognition, 0, move || held.recv()).await.is_ok() }
+        });
+        while compute.running(Lane::Recognition) == 0 {
+            tokio::task::yield_now().await;
+        }
+        let mut idle = Box::pin(compute.run(Lane::Recognition, 0, || 1));
+        assert!(futures_util::poll!(&mut idle).is_pending());
+        release.send(()).unwrap();
+        assert!(first.await.unwrap());
+        // The idle caller's turn came and passed without it.
+        assert_eq!(compute.run(Lane::Recognition, 0, || 2).await.unwrap().0, 2);
+        assert_eq!(idle.await.unwrap().0, 1);
+    }
+
+    #[tokio::test]
     async fn a_caller_that_hangs_up_while_waiting_leaves_no_trace() {
         let compute = Compute::new(1, 4, 1 << 20).unwrap();
         let (release, held) = mpsc::channel::<()>();
@@ -255,7 +294,9 @@ mod tests {
         }
         gone.abort();
         let _ = gone.await;
-        assert_eq!(compute.waiting(Lane::Recognition), 0);
+        while compute.waiting(Lane::Recognition) > 0 {
+            tokio::task::yield_now().await;
+        }
         release.send(()).unwrap();
         assert!(first.await.unwrap());
     }

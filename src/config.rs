@@ -72,12 +72,15 @@ pub struct Limits {
     pub max_body_bytes: u64,
     /// Longest side of a picture.
     pub max_side_px: u32,
-    /// 40 Mpx × 3 planes × 4 bytes = 480 MB while it is worked on: the largest that several threads can afford.
+    /// Most pixels of a picture. 40 Mpx in colour take 1.9 GB while they are worked on (see `Header::working_bytes`):
+    /// more than a lane's budget, so such a picture runs alone.
     pub max_pixels: u64,
     /// What one decoder may allocate: 40 Mpx × 6 bytes (16-bit colour) = 240 MB, rounded up to 256 MiB.
     pub max_decode_bytes: u64,
-    /// What all pictures being worked on may take together: four of the largest decodes.
+    /// What all pictures being worked on may take together: 1 GiB is a hundred frames of 640×480 in colour.
     pub max_decode_bytes_total: u64,
+    /// What all bodies being read or worked on may take together: a queue of 1024 frames of 1 MB each.
+    pub max_body_bytes_total: u64,
     /// Most parts or tar entries of one batch.
     pub max_batch_parts: usize,
     /// Largest body of one batch; it is streamed, never held whole.
@@ -102,6 +105,7 @@ impl Default for Limits {
             max_pixels: 40_000_000,
             max_decode_bytes: 256 << 20,
             max_decode_bytes_total: 1 << 30,
+            max_body_bytes_total: 1 << 30,
             max_batch_parts: 1000,
             max_batch_bytes: 512 << 20,
             max_artifact_bytes: 512 << 20,

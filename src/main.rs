@@ -102,14 +102,14 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
                 Ok(()) = finish => {}
             }
         };
-        let serving = serve::serve(&settings, |address| drop(announce.send(address)), stop);
+        let serving = serve::serve(&settings, |address| announce.send(address).unwrap_or(()), stop);
         let showing = async {
             let Some(address) = listening.recv().await else { return anyhow::Ok(()) };
             let pictures = settings.data_dir.join("pictures");
             let shown =
                 demo::run(&format!("http://{address}"), args, &pictures, &mut std::io::stdout()).await;
             if args.exit || shown.is_err() {
-                drop(finished.send(()));
+                finished.send(()).unwrap_or(());
             } else {
                 println!("\nServing on http://{address} until Ctrl-C.");
                 std::future::pending::<()>().await;

@@ -11,12 +11,13 @@ use axum_server::Handle;
 use hyper_util::rt::TokioTimer;
 use jiff::Timestamp;
 use tokio::sync::watch;
-use tokio::task::JoinHandle;
+use tokio::task::{JoinError, JoinHandle, JoinSet};
 use uuid::Uuid;
 
 use crate::compute::{Compute, ComputeError};
 use crate::config::Settings;
 use crate::database::Databases;
+use crate::http::body::BodyBudget;
 use crate::http::{self, Service};
 use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
@@ -29,6 +30,8 @@ const REFRESH_EVERY: Duration = Duration::from_secs(2);
 const COLLECT_EVERY: Duration = Duration::from_secs(3600);
 /// A blob younger than this may belong to an upload whose row is still to come.
 const ORPHAN_AGE: Duration = Duration::from_secs(24 * 3600);
+/// Longest header of a request.
+const MAX_HEADER_BYTES: usize = 16 << 10;
 /// How long requests in flight may take to end at shutdown.
 const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(20);
 
@@ -54,6 +57,8 @@ pub enum ServeError {
     Bind { bind: SocketAddr, source: io::Error },
     #[error("the server stopped")]
     Server { source: io::Error },
+    #[error("a part of the service that works in the background died")]
+    Background { source: Option<JoinError> },
 }
 
 /// The service's parts, wired; not yet listening.
@@ -82,6 +87,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         max_pixels: limits.max_pixels,
         max_alloc_bytes: limits.max_decode_bytes,
     };
+    let bodies = BodyBudget::new(limits.max_body_bytes_total);
     let metrics = Arc::new(Metrics::new());
     let databases =
         Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), settings.memory_limit_bytes);
@@ -100,6 +106,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         compute,
         metrics,
         limits,
+        bodies,
         decode,
         started_at: Timestamp::now(),
         worker,
@@ -111,18 +118,20 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
 
 impl Parts {
     /// Start what runs in the background: the refresh of the registry, the runner of jobs, the collector of orphans.
-    pub fn start(self) -> (Service, JoinHandle<()>) {
+    /// The handle resolves when they have ended after shutdown, or when one of them died.
+    pub fn start(self) -> (Service, JoinHandle<Result<(), JoinError>>) {
         let service = self.service.clone();
         let shutdown = service.shutdown.clone();
+        let mut tasks = JoinSet::new();
+        tasks.spawn(self.runner.run(shutdown.clone()));
+        tasks.spawn(collect_orphans(self.service.clone(), shutdown.clone()));
+        tasks.spawn(refresh(self.service, shutdown));
         let background = tokio::spawn(async move {
-            let runner = tokio::spawn(self.runner.run(shutdown.clone()));
-            let collector = tokio::spawn(collect_orphans(self.service.clone(), shutdown.clone()));
-            refresh(self.service, shutdown).await;
-            for (name, task) in [("runner of jobs", runner), ("collector of orphans", collector)] {
-                if let Err(error) = task.await {
-                    tracing::error!(%error, name, "a background task died");
-                }
+            while let Some(ended) = tasks.join_next().await {
+                // The others end with the set.
+                ended?;
             }
+            Ok(())
         });
         (service, background)
     }
@@ -147,7 +156,7 @@ async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) 
 async fn refresh(service: Service, mut shutdown: watch::Receiver<bool>) {
     loop {
         match service.databases.registry().refresh().await {
-            Ok(()) => service.ready.store(true, Ordering::Relaxed),
+            Ok(()) => service.ready.store(!*shutdown.borrow(), Ordering::Relaxed),
             Err(error) => {
                 tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on")
             }
@@ -173,20 +182,20 @@ pub async fn serve(
     let bind = settings.bind;
     let listener = std::net::TcpListener::bind(bind).map_err(|source| ServeError::Bind { bind, source })?;
     listener.set_nonblocking(true).map_err(|source| ServeError::Bind { bind, source })?;
-    let (service, background) = parts.start();
+    let (service, mut background) = parts.start();
 
     let handle = Handle::new();
     let mut server = axum_server::from_tcp(listener)
         .map_err(|source| ServeError::Bind { bind, source })?
-        .handle(handle.clone());
+        .handle(handle.clone())
+        // HTTP/2 without TLS is nobody's habit, and telling the two apart would wait for a first byte for ever.
+        .http1_only();
     server
         .http_builder()
         .http1()
         .timer(TokioTimer::new())
         .header_read_timeout(service.limits.header_timeout)
-        .max_buf_size(64 << 10)
-        .http2()
-        .timer(TokioTimer::new());
+        .max_buf_size(MAX_HEADER_BYTES);
     let ready = Arc::clone(&service.ready);
     let served = server.serve(http::router(service).into_make_service());
     let stopping = async {
@@ -202,12 +211,13 @@ pub async fn serve(
     };
     tokio::pin!(served);
     let served = tokio::select! {
-        // It ends by itself only when it fails.
+        // Neither ends by itself but by failing.
         served = &mut served => served,
+        died = &mut background => return Err(ServeError::Background { source: died.and_then(|died| died).err() }),
         () = stopping => served.await,
     };
-    if let Err(error) = background.await {
-        tracing::error!(%error, "the background work died");
+    if let Err(source) = background.await.and_then(|died| died) {
+        return Err(ServeError::Background { source: Some(source) });
     }
     served.map_err(|source| ServeError::Server { source })
 }

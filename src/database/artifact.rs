@@ -13,13 +13,13 @@ use std::collections::HashMap;
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use uuid::Uuid;
 
 use super::options::{self, DocumentError};
 use super::registry::Model;
-use super::{Counts, Kind, Name};
-use crate::recognition::landmarks::{Colour, Exemplar, LandmarkParts, Landmarks, PartsError, TrainingReport};
+use super::report::Report;
+use super::{ALGORITHM_REVISION, Counts, Kind, Name};
+use crate::recognition::landmarks::{Exemplar, LandmarkParts, Landmarks, PartsError};
 use crate::store::BlobName;
 
 /// The format that is written; older ones are read for ever.
@@ -32,8 +32,7 @@ pub struct Artifact {
     pub digest: String,
     pub algorithm_revision: i64,
     pub counts: Counts,
-    /// What the training told of itself; a JSON object.
-    pub report: Value,
+    pub report: Report,
     pub model: Model,
 }
 
@@ -67,6 +66,8 @@ pub enum ArtifactError {
     },
     #[error("the file has format {found}; this release reads up to {FORMAT}: update the service")]
     TooNew { found: u32 },
+    #[error("the file comes from algorithm revision {found}; this release knows up to {ALGORITHM_REVISION}")]
+    Revision { found: i64 },
     #[error("the file is of kind {kind}, which this release can't use")]
     KindUnknown { kind: String },
     #[error("the file's checksum doesn't match: it was damaged or changed")]
@@ -99,7 +100,7 @@ struct Header {
     counts: Counts,
     total_variance: f64,
     exemplars: Vec<ExemplarDocument>,
-    report: Value,
+    report: Report,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -109,34 +110,6 @@ struct ExemplarDocument {
     width_px: u32,
     height_px: u32,
     points: usize,
-}
-
-/// The report of a training as it is kept.
-#[derive(Serialize)]
-struct ReportDocument<'a> {
-    spectrum: &'a [f64],
-    energy_kept: f64,
-    dimension: usize,
-    signature_length: usize,
-    colour: &'static str,
-    exemplars_without_points: &'a [String],
-}
-
-/// The report of a training as a JSON object.
-pub fn report_document(report: &TrainingReport) -> Value {
-    let document = ReportDocument {
-        spectrum: &report.spectrum,
-        energy_kept: report.energy_kept,
-        dimension: report.dimension,
-        signature_length: report.signature_length,
-        colour: match report.colour {
-            Colour::Auto => "auto",
-            Colour::Gray => "gray",
-            Colour::Opponent => "opponent",
-        },
-        exemplars_without_points: &report.exemplars_without_points,
-    };
-    serde_json::to_value(document).expect("numbers and text always serialise")
 }
 
 const NO_CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
@@ -196,6 +169,9 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
         return Err(ArtifactError::TooNew { found: header.format });
     }
     verify_checksum(file, &header.checksum)?;
+    if !(1..=ALGORITHM_REVISION).contains(&header.algorithm_revision) {
+        return Err(ArtifactError::Revision { found: header.algorithm_revision });
+    }
     if Kind::parse(&header.kind).is_none() {
         return Err(ArtifactError::KindUnknown { kind: header.kind });
     }
@@ -220,7 +196,7 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
     let (exemplars, points) = (parts.exemplars.len() as u64, parts.owner.len() as u64);
     let landmarks = Landmarks::from_parts(parts).map_err(|source| ArtifactError::Parts { source })?;
     let counts = Counts { exemplars, labels: landmarks.labels().len() as u64, interest_points: points };
-    if counts != header.counts || header.digest.parse::<BlobName>().is_err() || !header.report.is_object() {
+    if counts != header.counts || header.digest.parse::<BlobName>().is_err() {
         return Err(ArtifactError::Contents);
     }
     Ok(Artifact {
@@ -329,7 +305,7 @@ mod tests {
             digest: BlobName::of(b"inputs").to_string(),
             algorithm_revision: 1,
             counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
-            report: report_document(&report),
+            report: Report::from(&report),
             model: Model::Landmarks(landmarks),
         }
     }

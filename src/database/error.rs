@@ -19,6 +19,8 @@ pub enum DatabaseError {
     KindConflict { database: String, kind: String },
     #[error("database {database} has no version yet")]
     NotTrained { database: String },
+    #[error("database {database} has versions, but its alias current names none")]
+    NoCurrent { database: String },
     #[error("an alias points to version {version} of database {database}")]
     VersionInUse { database: String, version: i64 },
     #[error("the alias is not at the revision that was expected")]

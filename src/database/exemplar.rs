@@ -25,14 +25,29 @@ pub struct FrameHeader {
 /// A training image to add. Its bytes have been decoded once: they are a picture of the stated size.
 #[derive(Debug, Clone)]
 pub struct NewExemplar {
-    pub label: Name,
-    /// Turntable pose in degrees, in [0, 360).
-    pub pose_deg: Option<f64>,
-    pub bytes: Bytes,
-    pub media_type: &'static str,
-    pub width_px: u32,
-    pub height_px: u32,
-    pub header: FrameHeader,
+    label: Name,
+    pose_deg: Option<f64>,
+    bytes: Bytes,
+    media_type: &'static str,
+    size_px: (u32, u32),
+    header: FrameHeader,
+    sha256: String,
+}
+
+impl NewExemplar {
+    /// A training image with its sum, which takes a while for large pictures. `pose_deg` is the turntable pose in
+    /// degrees, in [0, 360); `size_px` is width and height.
+    pub fn of(
+        label: Name,
+        pose_deg: Option<f64>,
+        bytes: Bytes,
+        media_type: &'static str,
+        size_px: (u32, u32),
+        header: FrameHeader,
+    ) -> Self {
+        let sha256 = sha256_hex(&bytes);
+        Self { label, pose_deg, bytes, media_type, size_px, header, sha256 }
+    }
 }
 
 /// The id of an exemplar: a UUID of version 8 made from its content.
@@ -60,8 +75,7 @@ impl Databases {
         database: &Name,
         new: NewExemplar,
     ) -> Result<(ExemplarRow, bool), DatabaseError> {
-        let sha256 = sha256_hex(&new.bytes);
-        let id = exemplar_id(&new.label, new.pose_deg, &sha256);
+        let id = exemplar_id(&new.label, new.pose_deg, &new.sha256);
         let bytes = new.bytes.len() as u64;
         let blob = self.blobs.put(new.bytes).await?;
         let row = ExemplarRow {
@@ -69,10 +83,10 @@ impl Databases {
             id,
             label: new.label.to_string(),
             pose_deg: new.pose_deg,
-            width_px: new.width_px,
-            height_px: new.height_px,
+            width_px: new.size_px.0,
+            height_px: new.size_px.1,
             bytes,
-            sha256,
+            sha256: new.sha256,
             blob: blob.to_string(),
             media_type: new.media_type.into(),
             robot_id: new.header.robot_id,

@@ -12,6 +12,7 @@ mod exemplar;
 mod name;
 pub mod options;
 pub mod registry;
+mod report;
 mod version;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ pub use exemplar::{FrameHeader, NewExemplar};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::Kind;
 pub use registry::{LoadedVersion, Model, Registry};
+pub use report::{Report, ReportTimings};
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
 
 pub use crate::store::{

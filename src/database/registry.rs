@@ -84,6 +84,8 @@ pub struct Registry {
     compute: Compute,
     snapshot: ArcSwap<Snapshot>,
     refreshing: tokio::sync::Mutex<()>,
+    /// One version at a time is loaded by number: what many ask for at once is loaded once.
+    loading: tokio::sync::Mutex<()>,
     by_number: Mutex<ByNumber>,
 }
 
@@ -107,6 +109,7 @@ impl Registry {
             compute,
             snapshot: ArcSwap::default(),
             refreshing: tokio::sync::Mutex::default(),
+            loading: tokio::sync::Mutex::default(),
             by_number: Mutex::new(ByNumber { versions: Vec::new(), limit_bytes: memory_limit_bytes }),
         }
     }
@@ -165,7 +168,8 @@ impl Registry {
         }
         match self.load(&target.database, target.version, &target.digest, &target.blob).await {
             Ok(version) => Served { version: Some(version), failure: None },
-            Err(reason) => {
+            Err(error) => {
+                let reason = chain(&error);
                 let (database, alias, version) = (&target.database, &target.alias, target.version);
                 tracing::error!(database, alias, version, reason, "a version can't be loaded");
                 let failure = Failure {
@@ -179,29 +183,38 @@ impl Registry {
         }
     }
 
-    /// Check that an artifact in the blob store reads back whole; the error is the reason, for people.
-    pub(crate) async fn check(&self, digest: &str, blob: &str) -> Result<(), String> {
-        self.load("", 0, digest, blob).await.map(drop)
+    /// Check that an artifact in the blob store reads back whole.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Unloadable`], or a store that is away.
+    pub(crate) async fn check(&self, database: &str, digest: &str, blob: &str) -> Result<(), DatabaseError> {
+        self.load(database, 0, digest, blob).await.map(drop)
     }
 
-    /// Read, verify and index one version; the error is the reason, for people.
+    /// Read, verify and index one version.
     async fn load(
         &self,
         database: &str,
         version: i64,
         digest: &str,
         blob: &str,
-    ) -> Result<Arc<LoadedVersion>, String> {
-        let name = blob.parse().map_err(|error: BlobError| chain(&error))?;
-        let bytes = self.blobs.get(&name, u64::MAX).await.map_err(|error| chain(&error))?;
-        let read = self.compute.run(Lane::Training, 0, move || {
+    ) -> Result<Arc<LoadedVersion>, DatabaseError> {
+        let unloadable =
+            |reason: String| DatabaseError::Unloadable { database: database.into(), version, reason };
+        let name = blob.parse().map_err(|error: BlobError| unloadable(chain(&error)))?;
+        let bytes = match self.blobs.get(&name, u64::MAX).await {
+            Err(error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. })) => {
+                return Err(unloadable(chain(&error)));
+            }
+            other => other?,
+        };
+        let read = self.compute.run(Lane::Upkeep, 0, move || {
             let artifact = artifact::read(&bytes)?;
             Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))
         });
-        let (read, _) = read.await.map_err(|error| chain(&error))?;
-        let (found, model) = read.map_err(|error| chain(&error))?;
+        let (found, model) = read.await?.0.map_err(|error| unloadable(chain(&error)))?;
         if found != digest {
-            return Err(format!("its artifact is that of digest {found}, not {digest}"));
+            return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
         let Model::Landmarks(landmarks) = &model;
         let bytes = landmarks.bytes() as u64;
@@ -275,22 +288,25 @@ impl Databases {
         if let Some(loaded) = registry.by_number(database.as_str(), version) {
             return Ok(loaded);
         }
+        let _one_at_a_time = registry.loading.lock().await;
+        if let Some(loaded) = registry.by_number(database.as_str(), version) {
+            return Ok(loaded);
+        }
+        self.get(database).await?;
         let row = self.version(database, version).await?;
-        let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await;
-        let loaded = loaded.map_err(|reason| DatabaseError::Unloadable {
-            database: database.to_string(),
-            version,
-            reason,
-        })?;
-        registry.remember(&loaded);
+        let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await?;
+        // Deleted while it was loading, it must not come back.
+        if self.version(database, version).await?.digest == row.digest {
+            registry.remember(&loaded);
+        }
         Ok(loaded)
     }
 
     /// The version that answers for an alias, by default `current`.
     ///
     /// # Errors
-    /// [`DatabaseError::UnknownDatabase`], [`DatabaseError::NotTrained`], [`DatabaseError::UnknownAlias`], or
-    /// [`DatabaseError::Unloadable`] when the alias names a version that this process could never load.
+    /// [`DatabaseError::UnknownDatabase`], [`DatabaseError::NotTrained`], [`DatabaseError::NoCurrent`],
+    /// [`DatabaseError::UnknownAlias`], or [`DatabaseError::Unloadable`] when the alias names a version that this process could never load.
     pub async fn alias_model(
         &self,
         database: &Name,
@@ -308,7 +324,10 @@ impl Databases {
             None if alias.is_some_and(|alias| alias.as_str() != CURRENT) => {
                 Err(DatabaseError::UnknownAlias { database: database.to_string(), alias: wanted.into() })
             }
-            None => Err(DatabaseError::NotTrained { database: database.to_string() }),
+            None if self.versions(database, None, 1).await?.is_empty() => {
+                Err(DatabaseError::NotTrained { database: database.to_string() })
+            }
+            None => Err(DatabaseError::NoCurrent { database: database.to_string() }),
         }
     }
 }

@@ -95,7 +95,7 @@ impl Databases {
     ) -> Result<(VersionRow, bool), DatabaseError> {
         let row = self.get(database).await?;
         let held = bytes.clone();
-        let (read, _) = compute.run(Lane::Training, 0, move || artifact::read(&held)).await?;
+        let (read, _) = compute.run(Lane::Upkeep, 0, move || artifact::read(&held)).await?;
         let artifact = read.map_err(|source| DatabaseError::InvalidArtifact { source })?;
         if row.kind != artifact.kind().as_str() {
             return Err(DatabaseError::KindConflict { database: database.to_string(), kind: row.kind });
@@ -122,7 +122,7 @@ impl Databases {
             algorithm_revision: artifact.algorithm_revision,
             options: artifact.options_document(),
             counts: serde_json::to_string(&artifact.counts).expect("counts are numbers"),
-            report: artifact.report.to_string(),
+            report: artifact.report.to_document(),
         })
     }
 }

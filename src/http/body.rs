@@ -1,30 +1,68 @@
 //! Request bodies under their limits of size and time.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use axum::body::Body;
 use axum::http::{HeaderMap, header};
 use bytes::Bytes;
 use http_body_util::{BodyExt, LengthLimitError, Limited};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::problem::{Code, Problem};
-use crate::config::Limits;
 
-/// The body, whole, if it is at most `max_bytes` long and comes within the body time-out.
+/// Memory for bodies that are being read or worked on, all requests together.
+#[derive(Clone)]
+pub struct BodyBudget {
+    units: Arc<Semaphore>,
+    most: u32,
+}
+
+/// The budget counts units of this many bytes.
+const UNIT_BYTES: u64 = 64 << 10;
+
+/// A share of the budget, given back when dropped.
+#[derive(Debug)]
+pub struct BodyShare {
+    _permit: OwnedSemaphorePermit,
+}
+
+impl BodyBudget {
+    /// A budget of `bytes`.
+    pub fn new(bytes: u64) -> Self {
+        let most = (bytes / UNIT_BYTES).clamp(1, 1 << 24) as u32;
+        Self { units: Arc::new(Semaphore::new(most as usize)), most }
+    }
+
+    /// Room for a body: for the length it declares, or for the most it may have.
+    ///
+    /// # Errors
+    /// 413 when it declares more than `max_bytes`, 503 when the bodies of others fill the budget.
+    pub fn admit(&self, headers: &HeaderMap, max_bytes: u64) -> Result<BodyShare, Problem> {
+        refuse_declared(headers, max_bytes)?;
+        let bytes = declared(headers).unwrap_or(max_bytes);
+        let units = bytes.div_ceil(UNIT_BYTES).clamp(1, u64::from(self.most)) as u32;
+        match Arc::clone(&self.units).try_acquire_many_owned(units) {
+            Ok(permit) => Ok(BodyShare { _permit: permit }),
+            Err(_) => Err(Problem::new(
+                Code::Overloaded,
+                "the bodies of other requests fill the memory set aside for them: try again a little later",
+            )),
+        }
+    }
+}
+
+/// The body, whole, if it is at most `max_bytes` long and comes within `patience`.
 ///
 /// # Errors
 /// 413, 408, or 400 for a body that breaks off.
-pub async fn read_whole(
-    headers: &HeaderMap,
-    body: Body,
-    max_bytes: u64,
-    limits: &Limits,
-) -> Result<Bytes, Problem> {
-    refuse_declared(headers, max_bytes)?;
+pub async fn read_whole(body: Body, max_bytes: u64, patience: Duration) -> Result<Bytes, Problem> {
     let whole = Limited::new(body, max_bytes as usize).collect();
-    match tokio::time::timeout(limits.body_timeout, whole).await {
+    match tokio::time::timeout(patience, whole).await {
         Ok(Ok(whole)) => Ok(whole.to_bytes()),
         Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large(max_bytes)),
         Ok(Err(error)) => Err(Problem::new(Code::MalformedRequest, format!("the body broke off: {error}"))),
-        Err(_) => Err(too_slow(limits)),
+        Err(_) => Err(too_slow(patience)),
     }
 }
 
@@ -37,9 +75,12 @@ pub fn limited(headers: &HeaderMap, body: Body, max_bytes: u64) -> Result<Body, 
     Ok(Body::new(Limited::new(body, max_bytes as usize)))
 }
 
+fn declared(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+}
+
 fn refuse_declared(headers: &HeaderMap, max_bytes: u64) -> Result<(), Problem> {
-    let declared = headers.get(header::CONTENT_LENGTH).and_then(|v| v.to_str().ok()?.parse::<u64>().ok());
-    if declared.is_some_and(|declared| declared > max_bytes) {
+    if declared(headers).is_some_and(|declared| declared > max_bytes) {
         return Err(too_large(max_bytes));
     }
     Ok(())
@@ -57,9 +98,29 @@ pub fn too_large(max_bytes: u64) -> Problem {
 }
 
 /// The problem of a body that doesn't come.
-pub fn too_slow(limits: &Limits) -> Problem {
+pub fn too_slow(patience: Duration) -> Problem {
     Problem::new(
         Code::BodyTimeout,
-        format!("the body did not come within {} s: send it again", limits.body_timeout.as_secs()),
+        format!("the body did not come within {} s: send it again", patience.as_secs()),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_budget_refuses_and_gives_back_what_is_dropped() {
+        let budget = BodyBudget::new(1 << 20);
+        let headers = HeaderMap::from_iter([(header::CONTENT_LENGTH, "600000".parse().unwrap())]);
+        let share = budget.admit(&headers, 16 << 20).unwrap();
+        assert_eq!(budget.admit(&headers, 16 << 20).unwrap_err().code, Code::Overloaded);
+        drop(share);
+        assert!(budget.admit(&headers, 16 << 20).is_ok());
+        assert_eq!(budget.admit(&headers, 1 << 10).unwrap_err().code, Code::BodyTooLarge);
+        // A body of unknown length takes what it might need, at most all there is.
+        let all = budget.admit(&HeaderMap::new(), 16 << 20).unwrap();
+        assert!(budget.admit(&headers, 16 << 20).is_err());
+        drop(all);
+    }
 }

@@ -14,7 +14,7 @@ use super::extract::{Json as JsonIn, Path, Query};
 use super::options::{self, LandmarkOptionsBody};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, Problem};
-use crate::database::{CURRENT, DatabaseRow, Kind, Name, options as kept};
+use crate::database::{CURRENT, DatabaseError, DatabaseRow, Kind, Name, options as kept};
 use crate::recognition::landmarks::LandmarkOptions;
 
 /// The database that a call is about.
@@ -128,6 +128,9 @@ pub async fn put(
     let kind = match new.kind {
         KindWord::Landmarks => Kind::Landmarks,
         KindWord::Objects => {
+            if let Ok(row) = service.databases.get(&path.database).await {
+                return Err(DatabaseError::KindConflict { database: row.name, kind: row.kind }.into());
+            }
             return Err(Problem::new(
                 Code::NotYet,
                 "kind objects is not in this release: use kind landmarks",

@@ -2,10 +2,11 @@
 //! tar archive. Streamed: at most one picture is held at a time, and one bad picture never loses the rest.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path as FilePath;
+use std::path::{Path as FilePath, PathBuf};
 
 use axum::Json;
 use axum::extract::{Request, State};
+use axum::http::HeaderMap;
 use futures_util::{StreamExt, TryStreamExt};
 use serde::{Deserialize, Serialize};
 use tokio::io::{AsyncRead, AsyncReadExt};
@@ -15,10 +16,9 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::databases::DatabasePath;
-use super::exemplars::pose;
-use super::extract::{Path, essence, from_json};
+use super::extract::{MAX_JSON_BYTES, Path, essence, from_json};
 use super::problem::{Code, Problem, ProblemBody};
-use super::uploads::{Form, Picture, RobotHeader};
+use super::uploads::{Form, Picture, RobotHeader, too_many_parts};
 use super::{Service, body};
 use crate::database::{FrameHeader, Name};
 
@@ -140,9 +140,8 @@ impl Batch<'_> {
     ) -> Result<(Uuid, bool), Problem> {
         let label =
             Name::parse(label).map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
-        pose(pose_deg)?;
         let picture = Picture::of(bytes, &self.service.decode)?;
-        let kept = self.service.keep_exemplar(self.database, label, pose_deg, picture, self.header.clone());
+        let kept = self.service.keep_exemplar(self.database, label, pose_deg, &picture, self.header.clone());
         let (row, created) = kept.await?;
         Ok((row.id, created))
     }
@@ -154,13 +153,13 @@ impl Batch<'_> {
         let mut early = Vec::new();
         let mut early_bytes = 0;
         let manifest = loop {
-            let Some((name, field)) = form.next().await? else {
+            let Some((name, part)) = form.next().await? else {
                 return Err(Problem::field("/manifest", "the form has no part called manifest"));
             };
-            let read = self.service.read_part(field, limits.max_body_bytes).await?;
             if name == "manifest" {
-                break read?;
+                break part.read(MAX_JSON_BYTES).await??;
             }
+            let read = part.read(limits.max_body_bytes).await?;
             early_bytes += read.as_ref().map_or(0, |bytes| bytes.len() as u64);
             if early_bytes > limits.max_body_bytes {
                 return Err(Problem::new(
@@ -171,6 +170,9 @@ impl Batch<'_> {
             early.push((name, read));
         };
         let manifest: Vec<ManifestLine> = from_json(&manifest)?;
+        if manifest.len() > limits.max_batch_parts {
+            return Err(too_many_parts(limits.max_batch_parts));
+        }
         let mut lines: HashMap<&str, Vec<&ManifestLine>> = HashMap::new();
         for line in &manifest {
             lines.entry(&line.file).or_default().push(line);
@@ -181,8 +183,8 @@ impl Batch<'_> {
             self.file(&name, &read, &lines, &mut answer).await?;
             seen.insert(name);
         }
-        while let Some((name, field)) = form.next().await? {
-            let read = self.service.read_part(field, limits.max_body_bytes).await?;
+        while let Some((name, part)) = form.next().await? {
+            let read = part.read(limits.max_body_bytes).await?;
             self.file(&name, &read, &lines, &mut answer).await?;
             seen.insert(name);
         }
@@ -217,37 +219,51 @@ impl Batch<'_> {
 
     async fn tar(&self, request: Request) -> Result<BatchBody, Problem> {
         let limits = &self.service.limits;
+        let patience = limits.body_timeout;
         let (parts, body) = request.into_parts();
         let body = body::limited(&parts.headers, body, limits.max_batch_bytes)?;
+        let _share = self.service.bodies.admit(&HeaderMap::new(), limits.max_body_bytes)?;
         let reader = StreamReader::new(body.into_data_stream().map_err(std::io::Error::other));
         let broken = |error: std::io::Error| broken_archive(&error, limits.max_batch_bytes);
         let mut archive = Archive::new(reader);
-        let mut entries = archive.entries().map_err(broken)?;
+        // Raw entries: long names come as entries of their own, which are read here under a limit.
+        let mut entries = archive.entries_raw().map_err(broken)?;
+        let mut long_name = None;
         let mut answer = BatchBody::default();
         loop {
-            let next = tokio::time::timeout(limits.body_timeout, entries.next()).await;
-            let Some(entry) = next.map_err(|_| body::too_slow(limits))? else { return Ok(answer) };
+            let next = tokio::time::timeout(patience, entries.next()).await;
+            let Some(entry) = next.map_err(|_| body::too_slow(patience))? else { return Ok(answer) };
             let mut entry = entry.map_err(broken)?;
-            if !entry.header().entry_type().is_file() {
+            let kind = entry.header().entry_type();
+            if kind.is_gnu_longname() || kind.is_pax_local_extensions() {
+                let read = tokio::time::timeout(patience, read_entry(&mut entry, MAX_TAR_NAME_BYTES));
+                let bytes = read.await.map_err(|_| body::too_slow(patience))?.map_err(broken)?;
+                let bytes = bytes.ok_or_else(|| {
+                    Problem::new(Code::MalformedRequest, "the archive has a file name of over 64 KiB")
+                })?;
+                long_name =
+                    if kind.is_gnu_longname() { gnu_name(&bytes) } else { pax_name(&bytes) }.or(long_name);
+                continue;
+            }
+            let named = long_name.take();
+            if !kind.is_file() {
                 continue;
             }
             if answer.items.len() >= limits.max_batch_parts {
-                let most = limits.max_batch_parts;
-                return Err(Problem::new(
-                    Code::BodyTooLarge,
-                    format!("a batch has at most {most} files: send several; the first {most} are kept"),
-                ));
+                return Err(too_many_parts(limits.max_batch_parts));
             }
-            let path = entry.path().map_err(broken)?.into_owned();
+            let path = match named {
+                Some(name) => PathBuf::from(name),
+                None => entry.path().map_err(broken)?.into_owned(),
+            };
             let file = path.to_string_lossy().into_owned();
             let Some((label, pose_deg)) = label_and_pose(&path) else {
                 let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
                 answer.note(file, Err(problem))?;
                 continue;
             };
-            let read =
-                tokio::time::timeout(limits.body_timeout, read_entry(&mut entry, limits.max_body_bytes));
-            let outcome = match read.await.map_err(|_| body::too_slow(limits))?.map_err(broken)? {
+            let read = tokio::time::timeout(patience, read_entry(&mut entry, limits.max_body_bytes));
+            let outcome = match read.await.map_err(|_| body::too_slow(patience))?.map_err(broken)? {
                 Some(bytes) => self.keep(&label, pose_deg, bytes).await,
                 None => Err(body::too_large(limits.max_body_bytes)),
             };
@@ -256,7 +272,22 @@ impl Batch<'_> {
     }
 }
 
-/// The bytes of an entry; none when it is larger than a picture may be.
+/// Longest file name in an archive.
+const MAX_TAR_NAME_BYTES: u64 = 64 << 10;
+
+/// The name in a GNU long name entry: up to its closing zero.
+fn gnu_name(bytes: &[u8]) -> Option<String> {
+    let name = bytes.split(|&byte| byte == 0).next()?;
+    String::from_utf8(name.to_vec()).ok()
+}
+
+/// The name in a pax header: lines of `<length> <key>=<value>`.
+fn pax_name(bytes: &[u8]) -> Option<String> {
+    let line = bytes.split(|&byte| byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
+    line.filter_map(|line| line.split_once(' ')?.1.strip_prefix("path=")).last().map(str::to_owned)
+}
+
+/// The bytes of an entry; none when it is larger than that.
 async fn read_entry<R: AsyncRead + Unpin>(
     entry: &mut Entry<R>,
     max_bytes: u64,
@@ -296,6 +327,13 @@ fn label_and_pose(path: &FilePath) -> Option<(String, Option<f64>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_names_are_read_from_both_dialects() {
+        assert_eq!(gnu_name(b"cup/long.png\0rest").as_deref(), Some("cup/long.png"));
+        assert_eq!(pax_name(b"20 mtime=1.5\n21 path=cup/\xc3\xa4.png\n").as_deref(), Some("cup/\u{e4}.png"));
+        assert_eq!(pax_name(b"20 mtime=1.5\n"), None);
+    }
 
     #[test]
     fn a_path_in_an_archive_gives_label_and_pose() {

@@ -17,7 +17,7 @@ use super::problem::Problem;
 use super::uploads::{HeaderEcho, OnePicture, Picture, RobotHeader};
 use crate::compute::Lane;
 use crate::database::{ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
-use crate::imaging;
+use crate::imaging::{self, DecodeError};
 
 /// The exemplar that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -109,10 +109,8 @@ pub fn pose(given: Option<f64>) -> Result<Option<f64>, Problem> {
         Some(pose) if !pose.is_finite() || pose.abs() > 1e6 => {
             Err(Problem::field("#pose_deg", format!("{pose} is no angle in degrees")))
         }
-        // rem_euclid of a tiny negative angle rounds to 360 itself.
-        given => {
-            Ok(given.map(|pose| pose.rem_euclid(360.0)).map(|pose| if pose == 360.0 { 0.0 } else { pose }))
-        }
+        // A tiny negative angle comes out as 360 itself, and a negative whole turn as -0.
+        given => Ok(given.map(|pose| pose.rem_euclid(360.0) % 360.0 + 0.0)),
     }
 }
 
@@ -123,23 +121,18 @@ impl Service {
         database: &Name,
         label: Name,
         pose_deg: Option<f64>,
-        picture: Picture,
+        picture: &Picture,
         header: FrameHeader,
     ) -> Result<(ExemplarRow, bool), Problem> {
-        let (bytes, limits) = (picture.bytes.clone(), self.decode);
-        let decode = move || imaging::decode(&bytes, &limits).map(drop);
-        let (decoded, _) = self.compute.run(Lane::Recognition, picture.working_bytes, decode).await?;
-        decoded?;
-        let new = NewExemplar {
-            label,
-            pose_deg: pose(pose_deg)?,
-            bytes: picture.bytes,
-            media_type: picture.format.media_type(),
-            width_px: picture.width_px,
-            height_px: picture.height_px,
-            header,
+        let pose_deg = pose(pose_deg)?;
+        let (bytes, limits, media_type) = (picture.bytes.clone(), self.decode, picture.format.media_type());
+        let check = move || {
+            let frame = imaging::decode(&bytes, &limits)?;
+            let size = (frame.width() as u32, frame.height() as u32);
+            Ok::<_, DecodeError>(NewExemplar::of(label, pose_deg, bytes, media_type, size, header))
         };
-        Ok(self.databases.add_exemplar(database, new).await?)
+        let (checked, _) = self.compute.run(Lane::Upkeep, picture.working_bytes, check).await?;
+        Ok(self.databases.add_exemplar(database, checked?).await?)
     }
 }
 
@@ -169,7 +162,7 @@ pub async fn post(
 ) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
     service.databases.get(&path.database).await?;
     pose(query.pose_deg)?;
-    let kept = service.keep_exemplar(&path.database, query.label, query.pose_deg, picture, header);
+    let kept = service.keep_exemplar(&path.database, query.label, query.pose_deg, &picture, header);
     let (row, created) = kept.await?;
     Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.into())))
 }

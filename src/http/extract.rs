@@ -1,6 +1,5 @@
 //! What handlers take from a request: path, query and JSON, with problems instead of the framework's plain texts.
 
-use axum::body::Bytes;
 use axum::extract::path::ErrorKind;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{FromRequest, FromRequestParts, Request};
@@ -55,7 +54,7 @@ impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Query<T> {
 pub struct Json<T>(pub T);
 
 /// Largest JSON body: the longest that any call needs is a few kilobytes.
-const MAX_JSON_BYTES: u64 = 1 << 20;
+pub const MAX_JSON_BYTES: u64 = 1 << 20;
 /// Deepest nesting of a JSON body.
 const MAX_JSON_DEPTH: usize = 32;
 
@@ -73,24 +72,34 @@ impl<T: DeserializeOwned> FromRequest<Service> for Json<T> {
                 ));
             }
         }
-        let bytes = body::read_whole(&parts.headers, body, MAX_JSON_BYTES, &service.limits).await?;
-        from_json(&bytes).map(Self)
+        let _share = service.bodies.admit(&parts.headers, MAX_JSON_BYTES)?;
+        let bytes = body::read_whole(body, MAX_JSON_BYTES, service.limits.body_timeout).await?;
+        let value = parse(if bytes.is_empty() { b"{}" } else { &bytes })?;
+        if !value.is_object() {
+            return Err(Problem::field("", "the body must be a JSON object"));
+        }
+        read_value(value).map(Self)
     }
 }
 
 /// Read JSON: text that doesn't parse is malformed, a value of the wrong shape is a field at fault.
-pub fn from_json<T: DeserializeOwned>(bytes: &Bytes) -> Result<T, Problem> {
-    let bytes: &[u8] = if bytes.is_empty() { b"{}" } else { bytes };
+pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    // Parsed as a value first, so that a syntax error behind a wrong field is still a syntax error.
+    read_value(parse(bytes)?)
+}
+
+fn parse(bytes: &[u8]) -> Result<serde_json::Value, Problem> {
     if nesting(bytes) > MAX_JSON_DEPTH {
         return Err(Problem::new(
             Code::MalformedRequest,
             format!("the JSON is nested deeper than {MAX_JSON_DEPTH}"),
         ));
     }
-    // Parsed as a value first, so that a syntax error behind a wrong field is still a syntax error.
-    let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
-        Problem::new(Code::MalformedRequest, format!("the body is not valid JSON: {error}"))
-    })?;
+    serde_json::from_slice(bytes)
+        .map_err(|error| Problem::new(Code::MalformedRequest, format!("this is not valid JSON: {error}")))
+}
+
+fn read_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, Problem> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let pointer = pointer(error.path());
         Problem::fields(vec![FieldError { pointer, detail: error.inner().to_string() }])
@@ -153,18 +162,18 @@ mod tests {
 
     #[test]
     fn a_wrong_field_is_pointed_to_and_broken_json_is_malformed() {
-        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":1},{"n":300}]}"#)).unwrap_err();
+        let problem = from_json::<Outer>(br#"{"inner":[{"n":1},{"n":300}]}"#).unwrap_err();
         assert_eq!((problem.code, problem.errors[0].pointer.as_str()), (Code::InvalidField, "/inner/1/n"));
-        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":"#)).unwrap_err();
+        let problem = from_json::<Outer>(br#"{"inner":[{"n":"#).unwrap_err();
         assert_eq!(problem.code, Code::MalformedRequest);
-        let problem = from_json::<Outer>(&Bytes::from(r#"{"inner":[{"n":300}"#)).unwrap_err();
+        let problem = from_json::<Outer>(br#"{"inner":[{"n":300}"#).unwrap_err();
         assert_eq!(problem.code, Code::MalformedRequest);
     }
 
     #[test]
     fn deep_nesting_is_refused_and_brackets_in_strings_do_not_count() {
         assert_eq!(nesting(br#"{"a":"[[[[\"[[","b":[{}]}"#), 3);
-        let deep = Bytes::from("[".repeat(5000));
-        assert_eq!(from_json::<serde_json::Value>(&deep).unwrap_err().code, Code::MalformedRequest);
+        let deep = "[".repeat(5000);
+        assert_eq!(from_json::<serde_json::Value>(deep.as_bytes()).unwrap_err().code, Code::MalformedRequest);
     }
 }

@@ -111,7 +111,9 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
 )]
 pub async fn metrics(State(service): State<Service>) -> Response {
     let metrics = &service.metrics;
-    for (name, lane) in [("recognition", Lane::Recognition), ("training", Lane::Training)] {
+    for (name, lane) in
+        [("recognition", Lane::Recognition), ("training", Lane::Training), ("upkeep", Lane::Upkeep)]
+    {
         metrics.pool_running.with_label_values(&[name]).set(service.compute.running(lane) as i64);
         metrics.pool_waiting.with_label_values(&[name]).set(service.compute.waiting(lane) as i64);
     }
@@ -153,6 +155,7 @@ pub struct LimitsBody {
     max_pixels: u64,
     max_decode_bytes: u64,
     max_decode_bytes_total: u64,
+    max_body_bytes_total: u64,
     max_batch_parts: u64,
     max_batch_bytes: u64,
     max_artifact_bytes: u64,
@@ -179,6 +182,7 @@ pub async fn info(State(service): State<Service>) -> Json<Info> {
             max_pixels: limits.max_pixels,
             max_decode_bytes: limits.max_decode_bytes,
             max_decode_bytes_total: limits.max_decode_bytes_total,
+            max_body_bytes_total: limits.max_body_bytes_total,
             max_batch_parts: limits.max_batch_parts as u64,
             max_batch_bytes: limits.max_batch_bytes,
             max_artifact_bytes: limits.max_artifact_bytes,

@@ -1,52 +1,24 @@
-//! `POST …/trainings` and `/v1/jobs[/{id}[/events]]`: long work, watched and cancelled.
+//! `/v1/jobs[/{id}[/events]]`: long work, watched and cancelled.
 
 use std::convert::Infallible;
 use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::{Stream, StreamExt, stream};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::Service;
-use super::databases::{DatabasePath, read_options};
-use super::extract::{Json as JsonIn, Path, Query};
-use super::options::{self, LandmarkOptionsBody};
+use super::extract::{Path, Query};
 use super::pages::{self, Page};
-use super::problem::{Code, Problem, ProblemBody};
+use super::problem::{Problem, ProblemBody};
 use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
-use crate::jobs::{Promote, TrainingParams};
-
-/// Whether `current` moves to the new version.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PromoteWord {
-    #[default]
-    Always,
-    /// Not in this release.
-    IfNotWorse,
-    Never,
-}
-
-/// A training to do.
-#[derive(Debug, Default, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NewTraining {
-    /// Put over the database's options for this training alone.
-    #[schema(value_type = Option<LandmarkOptionsBody>)]
-    pub options: Option<Map<String, Value>>,
-    /// Whether `current` moves to the new version.
-    #[serde(default)]
-    #[schema(default = "always")]
-    pub promote: PromoteWord,
-}
 
 /// A piece of long work.
 #[derive(Debug, Serialize, ToSchema)]
@@ -168,36 +140,6 @@ pub struct JobQuery {
     pub cursor: Option<String>,
 }
 
-/// Train the database's exemplars into a version: answers at once with a job.
-#[utoipa::path(
-    post, path = "/v1/databases/{database}/trainings", tag = "databases", params(DatabasePath),
-    request_body = NewTraining,
-    responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
-)]
-pub async fn train(
-    State(service): State<Service>,
-    Path(path): Path<DatabasePath>,
-    JsonIn(new): JsonIn<NewTraining>,
-) -> Result<Response, Problem> {
-    let promote = match new.promote {
-        PromoteWord::Always => Promote::Always,
-        PromoteWord::Never => Promote::Never,
-        PromoteWord::IfNotWorse => {
-            return Err(Problem::new(
-                Code::NotYet,
-                "promote if_not_worse is not in this release: use never, look at the version's report, and point \
-                 the alias current to it yourself",
-            ));
-        }
-    };
-    let base = read_options(&service.databases.get(&path.database).await?)?;
-    let options = options::over(base, &new.options.unwrap_or_default())?;
-    let job = service.jobs.train(&path.database, &TrainingParams { options, promote }).await?;
-    let location = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id));
-    let location = location.map_err(|_| Problem::new(Code::Internal, "the job has no address"))?;
-    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(JobBody::from(job))).into_response())
-}
-
 /// Jobs, the newest first.
 #[utoipa::path(
     get, operation_id = "list_jobs",
@@ -245,7 +187,10 @@ pub async fn cancel(
     get, operation_id = "follow_job",
     path = "/v1/jobs/{id}/events", tag = "jobs",
     params(JobPath, ("Last-Event-ID" = Option<i64>, Header, description = "Number of the last event seen")),
-    responses((status = 200, description = "Events whose data is a job", body = String, content_type = "text/event-stream"))
+    responses(
+        (status = 200, description = "Events whose data is a job", body = String, content_type = "text/event-stream"),
+        (status = 204, description = "The job has ended and you have seen its last event")
+    )
 )]
 pub async fn events(
     State(service): State<Service>,
@@ -260,7 +205,12 @@ pub async fn events(
             })?
         }
     };
-    service.jobs.get(path.id).await?;
+    if service.jobs.get(path.id).await?.state.is_terminal()
+        && service.jobs.events_after(path.id, after).await?.is_empty()
+    {
+        // What tells a browser's EventSource not to come back.
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    }
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
     Ok(Sse::new(follow(service, path.id, after)).keep_alive(keep_alive).into_response())
 }

@@ -5,7 +5,7 @@
 
 pub mod accept;
 mod aliases;
-mod body;
+pub mod body;
 mod databases;
 mod exemplar_batches;
 mod exemplars;
@@ -18,6 +18,7 @@ mod pages;
 pub mod problem;
 mod recognitions;
 mod rim;
+mod trainings;
 mod uploads;
 mod versions;
 
@@ -35,6 +36,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use utoipa_swagger_ui::SwaggerUi;
 
+use self::body::BodyBudget;
 use crate::compute::Compute;
 use crate::config::Limits;
 use crate::database::Databases;
@@ -50,6 +52,7 @@ pub struct Service {
     pub compute: Compute,
     pub metrics: Arc<Metrics>,
     pub limits: Limits,
+    pub bodies: BodyBudget,
     pub decode: DecodeLimits,
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
@@ -72,7 +75,7 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(exemplar_batches::post))
         .routes(routes!(exemplars::get, exemplars::delete))
         .routes(routes!(exemplars::image))
-        .routes(routes!(jobs::train))
+        .routes(routes!(trainings::post))
         .routes(routes!(versions::list, versions::import))
         .routes(routes!(versions::get, versions::delete))
         .routes(routes!(versions::artifact))

@@ -52,6 +52,7 @@ codes! {
     BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly",
     KindConflict "kind_conflict" CONFLICT "The database is of another kind",
     NotTrained "not_trained" CONFLICT "The database has no version yet",
+    NoCurrent "no_current" CONFLICT "The alias current names no version",
     VersionInUse "version_in_use" CONFLICT "An alias points to the version",
     VersionUnloadable "version_unloadable" CONFLICT "The version can't be loaded",
     JobEnded "job_ended" CONFLICT "The job has ended",
@@ -267,6 +268,10 @@ impl From<DatabaseError> for Problem {
             DatabaseError::NotTrained { .. } => problem(
                 Code::NotTrained,
                 ": post exemplars, then POST /v1/databases/{database}/trainings and wait for the job",
+            ),
+            DatabaseError::NoCurrent { .. } => problem(
+                Code::NoCurrent,
+                ": PUT /v1/databases/{database}/aliases/current with one of them, or ask with ?version=",
             ),
             DatabaseError::VersionInUse { .. } => {
                 problem(Code::VersionInUse, ": point the alias elsewhere first")

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use axum::Json;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::StreamExt;
 use futures_util::stream::FuturesOrdered;
@@ -307,7 +307,8 @@ fn top(query: &RecognitionQuery) -> Result<usize, Problem> {
     }
 }
 
-/// Recognise one frame. With `Accept: image/png` the answer is the frame with points and votes drawn on it.
+/// Recognise one frame. With `Accept: image/png` the answer is the frame with points and votes drawn on it; the headers
+/// `X-Version` and `X-Digest` say what answered.
 #[utoipa::path(
     post, operation_id = "recognise",
     path = "/v1/databases/{database}/recognitions", tag = "recognition", params(DatabasePath, RecognitionQuery),
@@ -336,7 +337,15 @@ pub async fn post(
     let version = service.version_for(&path.database, &query).await?;
     let recognised = service.recognise(&version, picture, with_picture).await?;
     let mut response = match recognised.annotated {
-        Some(png) => ([(header::CONTENT_TYPE, "image/png")], png).into_response(),
+        Some(png) => {
+            let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
+            let headers = [
+                (header::CONTENT_TYPE, HeaderValue::from_static("image/png")),
+                (HeaderName::from_static("x-version"), HeaderValue::from(version.version)),
+                (HeaderName::from_static("x-digest"), text(&version.digest)),
+            ];
+            (headers, png).into_response()
+        }
         None => Json(render(&version, header, &recognised, &query)?).into_response(),
     };
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
@@ -366,8 +375,8 @@ pub async fn post_batch(
     let mut running = FuturesOrdered::new();
     // As many pictures are held as there are threads for them, and one that arrives.
     let most_running = service.compute.threads(Lane::Recognition);
-    while let Some((name, field)) = form.next().await? {
-        let read = service.read_part(field, limits.max_body_bytes).await?;
+    while let Some((name, part)) = form.next().await? {
+        let read = part.read(limits.max_body_bytes).await?;
         let named = if name == "image" {
             read
         } else {

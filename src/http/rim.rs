@@ -4,7 +4,7 @@ use std::panic::AssertUnwindSafe;
 use std::time::{Duration, Instant};
 
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::HeaderValue;
+use axum::http::{HeaderValue, Method};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use futures_util::FutureExt;
@@ -19,7 +19,7 @@ const REQUEST_ID: &str = "x-request-id";
 /// Longest request id taken from a caller.
 const MAX_REQUEST_ID_BYTES: usize = 128;
 /// Batches and artifacts carry many pictures' worth of work.
-const LONG_CALL: u32 = 10;
+pub const LONG_CALL: u32 = 10;
 
 /// See the module.
 pub async fn rim(State(service): State<Service>, request: Request, next: Next) -> Response {
@@ -64,7 +64,7 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
         response.headers_mut().insert(REQUEST_ID, value);
     }
     let status = response.status().as_u16();
-    service.metrics.request(method.as_str(), &route, status, started.elapsed());
+    service.metrics.request(known(&method), &route, status, started.elapsed());
     span.in_scope(|| tracing::info!(status, took_ms = started.elapsed().as_secs_f64() * 1e3, "answered"));
     response
 }
@@ -72,6 +72,20 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
 fn deadline(service: &Service, route: &str) -> Duration {
     let long = route.ends_with(":batch") || route.ends_with("/versions");
     service.limits.request_timeout * if long { LONG_CALL } else { 1 }
+}
+
+/// The method, if it is a known one: labels of metrics must stay few.
+fn known(method: &Method) -> &str {
+    const KNOWN: [Method; 7] = [
+        Method::GET,
+        Method::HEAD,
+        Method::PUT,
+        Method::POST,
+        Method::DELETE,
+        Method::PATCH,
+        Method::OPTIONS,
+    ];
+    if KNOWN.contains(method) { method.as_str() } else { "OTHER" }
 }
 
 /// The caller's id, if it sent a usable one, or a new one.

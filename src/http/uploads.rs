@@ -1,15 +1,21 @@
 //! Pictures sent by clients: the raw body, or a multipart part named `image`. The bytes decide the format, and the
 //! size is read from the picture's header before anything is queued. Nothing is decoded here.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
 use axum::body::Body;
 use axum::extract::multipart::{Field, Multipart, MultipartError};
 use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode};
 use bytes::{Bytes, BytesMut};
+use futures_util::StreamExt;
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::body::BodyShare;
 use super::extract::essence;
 use super::problem::{Code, Problem};
 use super::{Service, body};
@@ -18,14 +24,14 @@ use crate::database::FrameHeader;
 use crate::imaging::{self, DecodeLimits, Format};
 
 /// A picture as sent, with what its header says.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Picture {
     pub bytes: Bytes,
     pub format: Format,
-    pub width_px: u32,
-    pub height_px: u32,
     /// Memory that the picture takes while it is worked on.
     pub working_bytes: u64,
+    /// The body's room, held as long as the picture is.
+    _share: Option<BodyShare>,
 }
 
 impl Picture {
@@ -35,13 +41,7 @@ impl Picture {
     /// No picture, a format we don't read, or too many pixels.
     pub fn of(bytes: Bytes, limits: &DecodeLimits) -> Result<Self, Problem> {
         let header = imaging::read_header(&bytes, limits)?;
-        Ok(Self {
-            bytes,
-            format: header.format,
-            width_px: header.width_px,
-            height_px: header.height_px,
-            working_bytes: header.frame_bytes(),
-        })
+        Ok(Self { bytes, format: header.format, working_bytes: header.working_bytes(), _share: None })
     }
 }
 
@@ -55,11 +55,12 @@ impl FromRequest<Service> for OnePicture {
         let limits = &service.limits;
         let declared = essence(request.headers());
         if declared.as_deref() == Some("multipart/form-data") {
-            let mut parts = Form::of(request, service, limits.max_body_bytes).await?;
-            while let Some((name, field)) = parts.next().await? {
+            let mut form = Form::of(request, service, limits.max_body_bytes).await?;
+            while let Some((name, field)) = form.next().await? {
                 if name == "image" {
-                    let bytes = service.read_part(field, limits.max_body_bytes).await??;
-                    return Ok(Self(Picture::of(bytes, &service.decode)?));
+                    let bytes = field.read(limits.max_body_bytes).await??;
+                    let picture = Picture::of(bytes, &service.decode)?;
+                    return Ok(Self(Picture { _share: Some(form.share), ..picture }));
                 }
             }
             return Err(Problem::new(
@@ -81,67 +82,117 @@ impl FromRequest<Service> for OnePicture {
             }
         }
         let (parts, body) = request.into_parts();
-        let bytes = body::read_whole(&parts.headers, body, limits.max_body_bytes, limits).await?;
-        Ok(Self(Picture::of(bytes, &service.decode)?))
+        let share = service.bodies.admit(&parts.headers, limits.max_body_bytes)?;
+        let bytes = body::read_whole(body, limits.max_body_bytes, limits.body_timeout).await?;
+        let picture = Picture::of(bytes, &service.decode)?;
+        Ok(Self(Picture { _share: Some(share), ..picture }))
     }
 }
 
 /// A multipart body read part by part, under the limits of number, size and time.
 pub struct Form {
     multipart: Multipart,
+    meter: Meter,
     limits: Limits,
     max_bytes: u64,
     parts: usize,
+    /// Room for one part: the rest of the form is not held.
+    share: BodyShare,
+}
+
+/// One part of a form.
+pub struct Part<'a> {
+    field: Field<'a>,
+    meter: Meter,
+    patience: Duration,
+    max_form_bytes: u64,
+}
+
+/// Bytes that came since anything was made of them. The form's reader holds what it hasn't made anything of, so an
+/// endless head of a part would fill the memory.
+#[derive(Clone, Default)]
+struct Meter(Arc<AtomicU64>);
+
+/// Most bytes without anything made of them: a part's head, and what the connection reads at once.
+const MAX_PENDING_BYTES: u64 = 2 << 20;
+
+impl Meter {
+    fn reset(&self) {
+        self.0.store(0, Ordering::Relaxed);
+    }
+
+    /// The same body; it breaks off when too much of it comes to nothing.
+    fn watch(&self, body: Body) -> Body {
+        let meter = self.clone();
+        Body::from_stream(body.into_data_stream().map(move |chunk| {
+            let chunk = chunk?;
+            let pending = meter.0.fetch_add(chunk.len() as u64, Ordering::Relaxed) + chunk.len() as u64;
+            if pending > MAX_PENDING_BYTES {
+                return Err(axum::Error::new(std::io::Error::other("a part's head has no end")));
+            }
+            Ok(chunk)
+        }))
+    }
 }
 
 impl Form {
     /// The form in a request's body, of at most `max_bytes` in all.
     ///
     /// # Errors
-    /// A body that is no form, or one that declares more than it may hold.
+    /// A body that is no form, one that declares more than it may hold, or no room for it now.
     pub async fn of(request: Request, service: &Service, max_bytes: u64) -> Result<Self, Problem> {
         let (parts, body) = request.into_parts();
-        let body: Body = body::limited(&parts.headers, body, max_bytes)?;
-        let request = Request::from_parts(parts, body);
+        let body = body::limited(&parts.headers, body, max_bytes)?;
+        let share = service.bodies.admit(&HeaderMap::new(), service.limits.max_body_bytes)?;
+        let meter = Meter::default();
+        let request = Request::from_parts(parts, meter.watch(body));
         let multipart = Multipart::from_request(request, service).await.map_err(|rejection| {
             Problem::new(Code::MalformedRequest, format!("the form can't be read: {}", rejection.body_text()))
         })?;
-        Ok(Self { multipart, limits: service.limits.clone(), max_bytes, parts: 0 })
+        Ok(Self { multipart, meter, limits: service.limits.clone(), max_bytes, parts: 0, share })
     }
 
-    /// The next part with its name (empty when it has none).
-    pub async fn next(&mut self) -> Result<Option<(String, Field<'_>)>, Problem> {
+    /// The next part with its name (empty when it has none). One part more than a batch has pictures is allowed: the
+    /// manifest.
+    pub async fn next(&mut self) -> Result<Option<(String, Part<'_>)>, Problem> {
+        let (patience, max_form_bytes) = (self.limits.body_timeout, self.max_bytes);
+        self.meter.reset();
+        let next = tokio::time::timeout(patience, self.multipart.next_field()).await;
+        let field = next
+            .map_err(|_| body::too_slow(patience))?
+            .map_err(|error| broken_form(&error, max_form_bytes))?;
+        let Some(field) = field else { return Ok(None) };
         self.parts += 1;
         if self.parts > self.limits.max_batch_parts + 1 {
-            return Err(Problem::new(
-                Code::BodyTooLarge,
-                format!("a batch has at most {} parts: send several", self.limits.max_batch_parts),
-            ));
+            return Err(too_many_parts(self.limits.max_batch_parts));
         }
-        let max_bytes = self.max_bytes;
-        let next = tokio::time::timeout(self.limits.body_timeout, self.multipart.next_field()).await;
-        let field = next
-            .map_err(|_| body::too_slow(&self.limits))?
-            .map_err(|error| broken_form(&error, max_bytes))?;
-        Ok(field.map(|field| (field.name().unwrap_or_default().to_owned(), field)))
+        let name = field.name().unwrap_or_default().to_owned();
+        Ok(Some((name, Part { field, meter: self.meter.clone(), patience, max_form_bytes })))
     }
 }
 
-impl Service {
-    /// The bytes of one part of a form.
+/// The problem of a batch with too many pictures.
+pub fn too_many_parts(most: usize) -> Problem {
+    Problem::new(
+        Code::BodyTooLarge,
+        format!("a batch has at most {most} pictures: send several; those that were kept stay kept"),
+    )
+}
+
+impl Part<'_> {
+    /// The bytes of the part. The inner error is the part's alone: it is larger than `max_bytes`, and the rest of it
+    /// was skipped.
     ///
     /// # Errors
-    /// A part larger than `max_bytes` (the rest of it is skipped), or one that doesn't come.
-    pub async fn read_part(
-        &self,
-        mut field: Field<'_>,
-        max_bytes: u64,
-    ) -> Result<Result<Bytes, Problem>, Problem> {
+    /// A form that breaks off, or doesn't come.
+    pub async fn read(mut self, max_bytes: u64) -> Result<Result<Bytes, Problem>, Problem> {
         let all = async {
             let (mut bytes, mut fits) = (BytesMut::new(), true);
+            self.meter.reset();
             while let Some(chunk) =
-                field.chunk().await.map_err(|error| broken_form(&error, self.limits.max_batch_bytes))?
+                self.field.chunk().await.map_err(|error| broken_form(&error, self.max_form_bytes))?
             {
+                self.meter.reset();
                 fits &= (bytes.len() + chunk.len()) as u64 <= max_bytes;
                 if fits {
                     bytes.extend_from_slice(&chunk);
@@ -149,8 +200,8 @@ impl Service {
             }
             Ok(if fits { Ok(bytes.freeze()) } else { Err(body::too_large(max_bytes)) })
         };
-        let read = tokio::time::timeout(self.limits.body_timeout, all).await;
-        read.map_err(|_| body::too_slow(&self.limits))?
+        let read = tokio::time::timeout(self.patience, all).await;
+        read.map_err(|_| body::too_slow(self.patience))?
     }
 }
 

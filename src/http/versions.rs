@@ -10,11 +10,12 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::databases::DatabasePath;
 use super::extract::{Path, Query};
-use super::options::{ColourWord, LandmarkOptionsBody};
+use super::options::LandmarkOptionsBody;
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, Problem};
+use super::rim::LONG_CALL;
 use super::{Service, body};
-use crate::database::{Name, VersionRow, options as kept};
+use crate::database::{Name, Report, VersionRow, options as kept};
 
 /// The version that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -53,8 +54,25 @@ pub struct CountsBody {
     pub interest_points: u64,
 }
 
+impl From<Report> for ReportBody {
+    fn from(report: Report) -> Self {
+        Self {
+            spectrum: report.spectrum,
+            energy_kept: report.energy_kept,
+            dimension: report.dimension,
+            signature_length: report.signature_length,
+            colour: report.colour,
+            exemplars_without_points: report.exemplars_without_points,
+            timings_ms: report.timings_ms.map(|timings| TrainingTimings {
+                describe: timings.describe,
+                eigenspace: timings.eigenspace,
+            }),
+        }
+    }
+}
+
 /// What a training told of itself.
-#[derive(Debug, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct ReportBody {
     /// Variance along each direction of the signatures' space, descending, all of them.
     pub spectrum: Vec<f64>,
@@ -65,7 +83,8 @@ pub struct ReportBody {
     /// Components of a signature.
     pub signature_length: u64,
     /// The planes that signatures were taken from.
-    pub colour: ColourWord,
+    #[schema(example = "opponent")]
+    pub colour: String,
     /// Exemplars in which nothing drew attention: they can't be recognised.
     pub exemplars_without_points: Vec<String>,
     /// Where it was trained here: how long that took.
@@ -73,7 +92,7 @@ pub struct ReportBody {
 }
 
 /// How long the parts of a training took.
-#[derive(Debug, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TrainingTimings {
     /// Reading and describing the exemplars.
     pub describe: f64,
@@ -105,7 +124,9 @@ impl TryFrom<VersionRow> for VersionBody {
             artifact_bytes: row.bytes,
             options: (&options).into(),
             counts: serde_json::from_str(&row.counts).map_err(|error| unreadable("counts", &error))?,
-            report: serde_json::from_str(&row.report).map_err(|error| unreadable("report", &error))?,
+            report: serde_json::from_str::<Report>(&row.report)
+                .map_err(|error| unreadable("report", &error))?
+                .into(),
             digest: row.digest,
         })
     }
@@ -191,7 +212,13 @@ pub async fn artifact(
     let name = format!("attachment; filename=\"{}-{}.safetensors\"", row.database, row.version);
     let name = HeaderValue::from_str(&name).unwrap_or(HeaderValue::from_static("attachment"));
     let kind = HeaderValue::from_static("application/octet-stream");
-    let headers = [(header::ETAG, etag), (header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)];
+    let cache = HeaderValue::from_static("private, no-cache");
+    let headers = [
+        (header::ETAG, etag),
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_DISPOSITION, name),
+        (header::CACHE_CONTROL, cache),
+    ];
     Ok((headers, bytes).into_response())
 }
 
@@ -212,8 +239,10 @@ pub async fn import(
 ) -> Result<(StatusCode, Json<VersionBody>), Problem> {
     let (parts, body) = request.into_parts();
     service.databases.get(&path.database).await?;
-    let bytes =
-        body::read_whole(&parts.headers, body, service.limits.max_artifact_bytes, &service.limits).await?;
+    let most = service.limits.max_artifact_bytes;
+    let _share = service.bodies.admit(&parts.headers, most)?;
+    // As long as the rim gives the whole call: an artifact is as large as a batch.
+    let bytes = body::read_whole(body, most, service.limits.body_timeout * LONG_CALL).await?;
     let (row, created) = service.databases.import(&path.database, bytes, &service.compute).await?;
     Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.try_into()?)))
 }

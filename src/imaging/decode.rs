@@ -67,19 +67,24 @@ impl Format {
 pub struct Header {
     /// The format, by its magic bytes.
     pub format: Format,
-    /// Width after the orientation is applied.
+    /// Width as stored: the decoded [`Frame`] has width and height exchanged when the file says it lies on its side.
     pub width_px: u32,
-    /// Height after the orientation is applied.
+    /// Height as stored.
     pub height_px: u32,
     /// Whether the file holds colour.
     pub colour: bool,
 }
 
+/// Planes of `f32` that finding interest points holds at most: smoothed, gradient x and y, three of edges, the map.
+const WORKING_PLANES: u64 = 7;
+
 impl Header {
-    /// The memory that the decoded [`Frame`] will hold: one `f32` plane, or four for a colour file.
-    pub fn frame_bytes(&self) -> u64 {
-        let planes = if self.colour { 4 } else { 1 };
-        u64::from(self.width_px) * u64::from(self.height_px) * planes * size_of::<f32>() as u64
+    /// The memory that the picture takes while it is decoded and worked on: 8-bit samples as decoded, the [`Frame`]
+    /// (one `f32` plane, or four for a colour file), and the planes of attention.
+    pub fn working_bytes(&self) -> u64 {
+        let (samples, planes) = if self.colour { (3, 4) } else { (1, 1) };
+        let bytes_per_pixel = samples + size_of::<f32>() as u64 * (planes + WORKING_PLANES);
+        u64::from(self.width_px) * u64::from(self.height_px) * bytes_per_pixel
     }
 }
 
@@ -100,9 +105,36 @@ pub enum DecodeError {
     Corrupt { source: Box<dyn Error + Send + Sync> },
 }
 
-/// Read format and size, and hold them against the limits; no pixel is decoded.
+/// Read format and size, and hold them against the limits; nothing is decoded or unpacked.
 pub fn read_header(bytes: &[u8], limits: &DecodeLimits) -> Result<Header, DecodeError> {
-    opened(bytes, limits).map(|(_, header, _)| header)
+    // What stands between a PNG's size and its pixels may be long and compressed: the decoder would read it now.
+    let Some(header) = png_header(bytes) else { return opened(bytes, limits).map(|(_, header, _)| header) };
+    within(header.width_px, header.height_px, limits)?;
+    Ok(header)
+}
+
+/// The first chunk of a PNG file: it must hold the size, and stand at a fixed place.
+fn png_header(bytes: &[u8]) -> Option<Header> {
+    const COLOUR_TYPES: [u8; 3] = [2, 3, 6]; // true colour, palette, true colour with alpha
+    let chunk = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR")?;
+    let (width, rest) = chunk.split_first_chunk()?;
+    let (height, rest) = rest.split_first_chunk()?;
+    let colour = rest.get(1).is_some_and(|kind| COLOUR_TYPES.contains(kind));
+    let (width_px, height_px) = (u32::from_be_bytes(*width), u32::from_be_bytes(*height));
+    Some(Header { format: Format::Png, width_px, height_px, colour })
+}
+
+/// Hold a size against the limits.
+fn within(width_px: u32, height_px: u32, limits: &DecodeLimits) -> Result<(), DecodeError> {
+    let too_long = width_px.max(height_px) > limits.max_side_px;
+    if too_long || u64::from(width_px) * u64::from(height_px) > limits.max_pixels {
+        let DecodeLimits { max_side_px, max_pixels, .. } = *limits;
+        return Err(DecodeError::TooLarge { width_px, height_px, max_side_px, max_pixels });
+    }
+    if width_px == 0 || height_px == 0 {
+        return Err(DecodeError::Corrupt { source: format!("the size is {width_px}×{height_px}").into() });
+    }
+    Ok(())
 }
 
 /// Decode a picture into a frame.
@@ -161,27 +193,13 @@ fn opened<'a>(
     let mut decoder = reader.into_decoder().map_err(|error| refused(error, limits))?;
 
     let (width_px, height_px) = decoder.dimensions();
-    let too_long = width_px.max(height_px) > limits.max_side_px;
-    if too_long || u64::from(width_px) * u64::from(height_px) > limits.max_pixels {
-        let DecodeLimits { max_side_px, max_pixels, .. } = *limits;
-        return Err(DecodeError::TooLarge { width_px, height_px, max_side_px, max_pixels });
-    }
-    if width_px == 0 || height_px == 0 {
-        return Err(DecodeError::Corrupt { source: format!("the size is {width_px}×{height_px}").into() });
-    }
+    within(width_px, height_px, limits)?;
     let needed_bytes = decoder.total_bytes();
     if needed_bytes > limits.max_alloc_bytes {
         return Err(DecodeError::TooMuchMemory { needed_bytes, max_alloc_bytes: limits.max_alloc_bytes });
     }
     let orientation = decoder.orientation().map_err(|error| refused(error, limits))?;
     let colour = decoder.color_type().has_color();
-    let (width_px, height_px) = match orientation {
-        Orientation::Rotate90
-        | Orientation::Rotate270
-        | Orientation::Rotate90FlipH
-        | Orientation::Rotate270FlipH => (height_px, width_px),
-        _ => (width_px, height_px),
-    };
     Ok((decoder, Header { format, width_px, height_px, colour }, orientation))
 }
 
@@ -318,11 +336,11 @@ mod tests {
     }
 
     #[test]
-    fn the_orientation_of_exif_is_applied_and_the_header_says_so() {
+    fn the_orientation_of_exif_is_applied_when_decoding() {
         // 6: the camera was turned; the picture is to be turned a quarter clockwise
         let bytes = jpeg(48, 16, Some(6));
         let header = read_header(&bytes, &LIMITS).unwrap();
-        assert_eq!((header.format, header.width_px, header.height_px), (Format::Jpeg, 16, 48));
+        assert_eq!((header.format, header.width_px, header.height_px), (Format::Jpeg, 48, 16));
         let frame = decode(&bytes, &LIMITS).unwrap();
         assert_eq!((frame.width(), frame.height()), (16, 48));
         assert!(frame.luminance.at(8, 4) < 60.0 && frame.luminance.at(8, 44) > 180.0);
@@ -341,7 +359,7 @@ mod tests {
             );
             assert_eq!(header.colour, frame.is_colour());
             let planes = if frame.is_colour() { 4 } else { 1 };
-            assert_eq!(header.frame_bytes(), (frame.width() * frame.height() * planes * 4) as u64);
+            assert!(header.working_bytes() > (frame.width() * frame.height() * planes * 4) as u64);
         }
     }
 

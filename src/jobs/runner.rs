@@ -23,6 +23,8 @@ const RENEW_EVERY: Duration = Duration::from_secs(2);
 const NOTE_EVERY: Duration = Duration::from_millis(250);
 /// How long an idle runner sleeps before it looks for jobs that other processes queued.
 const IDLE_POLL: Duration = Duration::from_secs(1);
+/// How long a job waits in its worker when a store is away.
+const OUTAGE_PAUSE: Duration = Duration::from_secs(2);
 /// Claims of one job before it counts as deadly: a job that kills its worker five times would kill it again.
 const MAX_ATTEMPTS: u32 = 5;
 
@@ -35,7 +37,7 @@ pub(super) enum Stop {
     Lost,
     /// It can't be done; the problem is kept with the job.
     Failed { code: &'static str, detail: String },
-    /// A store is away: the job stays and is tried again when its lease is over.
+    /// A store is away: the job goes back into the queue.
     Unavailable { error: crate::database::DatabaseError },
 }
 
@@ -196,12 +198,12 @@ impl Runner {
             }
             Err(Stop::Cancelled) => {
                 tracing::info!(job = %job.id, took_ms, "job cancelled");
-                self.jobs.catalogue.cancelled_job(lease.id, lease.token).await
+                self.jobs.catalogue.cancelled_job(lease.id, lease.token).await.map(drop)
             }
             Err(Stop::Failed { code, detail }) => {
                 tracing::warn!(job = %job.id, code, detail, took_ms, "job failed");
                 let problem = serde_json::json!({"code": code, "detail": detail}).to_string();
-                self.jobs.catalogue.fail_job(lease.id, lease.token, &problem).await
+                self.jobs.catalogue.fail_job(lease.id, lease.token, &problem).await.map(drop)
             }
             Err(Stop::Lost) => {
                 tracing::warn!(job = %job.id, took_ms, "another worker has the job: left to it");
@@ -210,8 +212,9 @@ impl Runner {
             Err(Stop::Unavailable { error }) => {
                 let error = crate::telemetry::chain(&error);
                 tracing::warn!(job = %job.id, error, took_ms, "job interrupted: a store is away");
-                // The lease runs out and the job is claimed again, by whoever can reach the stores.
-                return;
+                tokio::time::sleep(OUTAGE_PAUSE).await;
+                // Back into the queue, the attempt not counted; with the catalogue away too the lease runs out.
+                self.jobs.catalogue.hand_back_jobs(&self.owner).await.map(drop)
             }
         };
         if let Err(error) = ended {

@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use super::runner::{Lease, Stop};
 use crate::compute::{Compute, ComputeError, Lane};
-use crate::database::artifact::Artifact;
+use crate::database::artifact::{self, Artifact};
 use crate::database::{
-    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model,
-    inputs_digest, options,
+    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model, Report,
+    ReportTimings, inputs_digest, options,
 };
 use crate::imaging::{self, DecodeLimits};
 use crate::recognition::landmarks::{self, DescribedExemplar, ExemplarName, LandmarkOptions, Landmarks};
@@ -65,12 +65,17 @@ impl From<DatabaseError> for Stop {
     fn from(error: DatabaseError) -> Self {
         match error {
             DatabaseError::Catalogue { source: CatalogueError::LeaseLost } => Self::Lost,
+            DatabaseError::Catalogue { source: CatalogueError::CancelRequested } => Self::Cancelled,
             DatabaseError::Catalogue { source: CatalogueError::NotFound { what } } => {
                 Self::Failed { code: "unknown_database", detail: format!("{what}; it was deleted meanwhile") }
             }
             DatabaseError::Blobs {
                 source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }),
             } => Self::Failed { code: "unreadable_exemplar", detail: crate::telemetry::chain(&error) },
+            DatabaseError::Unloadable { reason, .. } => Self::Failed {
+                code: "internal",
+                detail: format!("the new version can't be read back: {reason}"),
+            },
             DatabaseError::Compute { source: ComputeError::Panicked { message } } => {
                 Self::Failed { code: "internal", detail: format!("the computation failed: {message}") }
             }
@@ -103,9 +108,18 @@ pub(super) async fn run(
     let document = options::to_document(&params.options);
     let digest = inputs_digest(Kind::Landmarks, &document, &exemplars);
     if let Some(found) = databases.catalogue.version_by_digest(&job.database, &digest).await? {
-        databases.catalogue.succeed_job(lease.id, lease.token, Some(found.version), promote).await?;
-        announce(databases).await;
-        return Ok(found.version);
+        match databases.registry().check(&job.database, &digest, &found.blob).await {
+            Ok(()) => {
+                databases.catalogue.succeed_job(lease.id, lease.token, Some(found.version), promote).await?;
+                announce(databases).await;
+                return Ok(found.version);
+            }
+            // Trained again it gives the same bytes, and storing those mends the artifact.
+            Err(DatabaseError::Unloadable { reason, .. }) => {
+                tracing::warn!(job.database, found.version, reason, "damaged: training it again");
+            }
+            Err(error) => return Err(error.into()),
+        }
     }
 
     let started = Instant::now();
@@ -122,13 +136,9 @@ pub(super) async fn run(
 
     lease.progress("publishing", 0, 1).await?;
     let mut new = databases.keep_artifact(&job.database, &artifact, bytes).await?;
-    let mut report = artifact.report;
-    report["timings_ms"] = serde_json::json!({"describe": describe_ms, "eigenspace": eigenspace_ms});
-    new.report = report.to_string();
-    databases.registry().check(&new.digest, &new.blob).await.map_err(|reason| Stop::Failed {
-        code: "internal",
-        detail: format!("the new version can't be read back: {reason}"),
-    })?;
+    let timings = ReportTimings { describe: describe_ms, eigenspace: eigenspace_ms };
+    new.report = Report { timings_ms: Some(timings), ..artifact.report }.to_document();
+    databases.registry().check(&job.database, &new.digest, &new.blob).await?;
     lease.go_on()?;
     let version = databases.catalogue.publish(lease.id, lease.token, &new, promote).await?;
     announce(databases).await;
@@ -173,7 +183,7 @@ async fn describe(
     limits: DecodeLimits,
 ) -> Result<DescribedExemplar, Stop> {
     let bytes = databases.exemplar_bytes(&row).await?;
-    let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.frame_bytes());
+    let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.working_bytes());
     let name = ExemplarName { id: row.id.to_string(), label: row.label };
     let work = move || {
         let frame = imaging::decode(&bytes, &limits)?;
@@ -207,9 +217,9 @@ fn fit(
         digest,
         algorithm_revision: ALGORITHM_REVISION,
         counts,
-        report: crate::database::artifact::report_document(&report),
+        report: Report::from(&report),
         model: Model::Landmarks(model),
     };
-    let bytes = Bytes::from(crate::database::artifact::write(&artifact));
+    let bytes = Bytes::from(artifact::write(&artifact));
     Ok((artifact, bytes))
 }

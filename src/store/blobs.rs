@@ -140,17 +140,27 @@ pub struct Blobs {
 }
 
 impl Blobs {
-    /// Opens the blobs in a folder, creating it where needed; what is put there is synced to the disk.
+    /// Opens the blobs in a folder; what is put there is synced to the disk. A `new` store is created; one that
+    /// should be there and isn't is `Unavailable`: its disk is not mounted.
     ///
     /// The lock of the data folder is kept as long as the blobs live.
-    pub(super) async fn in_folder(folder: &FilePath, lock: Arc<FolderLock>) -> Result<Self, BlobError> {
-        std::fs::create_dir_all(folder)?;
-        remove_unfinished(folder)?;
+    pub(super) async fn in_folder(
+        folder: &FilePath,
+        new: bool,
+        lock: Arc<FolderLock>,
+    ) -> Result<Self, BlobError> {
+        if new {
+            std::fs::create_dir_all(folder)?;
+        }
         let store = LocalFileSystem::new_with_prefix(folder)?.with_fsync(true);
-        store
-            .put(&Path::from(MARKER), Bytes::from_static(b"blobs of landmarkd, named by content\n").into())
-            .await?;
-        Ok(Self { store: Arc::new(store), collection: Arc::default(), _lock: lock })
+        let blobs = Self { store: Arc::new(store), collection: Arc::default(), _lock: lock };
+        if new {
+            let words = Bytes::from_static(b"blobs of landmarkd, named by content\n");
+            blobs.store.put(&Path::from(MARKER), words.into()).await?;
+        }
+        blobs.ping().await?;
+        remove_unfinished(folder)?;
+        Ok(blobs)
     }
 
     /// Succeeds when the store is there.
@@ -166,6 +176,8 @@ impl Blobs {
     pub async fn put(&self, content: Bytes) -> Result<BlobName, BlobError> {
         let name = name_of(content.clone()).await?;
         let _not_collecting = self.collection.read().await;
+        // A folder whose disk went away would take writes, and lose them when the disk comes back.
+        self.ping().await?;
         let created = self.store.put_opts(&name.path(), content.clone().into(), PutMode::Create.into()).await;
         match created {
             Ok(_) => {}
@@ -180,7 +192,11 @@ impl Blobs {
     /// Reads a blob and proves its content. Errors: `NotFound`, `TooLarge`, `Corrupt`.
     pub async fn get(&self, name: &BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
         let found = match self.store.get(&name.path()).await {
-            Err(object_store::Error::NotFound { .. }) => return Err(BlobError::NotFound { name: *name }),
+            Err(object_store::Error::NotFound { .. }) => {
+                // Nothing is there when the whole store is away.
+                self.ping().await?;
+                return Err(BlobError::NotFound { name: *name });
+            }
             other => other?,
         };
         let bytes = found.meta.size;

@@ -39,6 +39,9 @@ pub enum CatalogueError {
     /// The job isn't running under this token any more: nothing was written.
     #[error("the lease on the job was lost")]
     LeaseLost,
+    /// Somebody asked for the job to end before it did: nothing was written, and `Catalogue::cancelled_job` is due.
+    #[error("the job was asked to end")]
+    CancelRequested,
     /// A filter that must name something names nothing: absent never means all.
     #[error("the filter names neither a label nor a robot")]
     EmptyFilter,
@@ -444,8 +447,8 @@ pub trait Catalogue: Send + Sync + 'static {
 
     /// Ends a job with a version: its row, the alias if one is named, and the job's success, in one transaction.
     ///
-    /// The version of that digest is taken where there is one already. Errors: `LeaseLost`, `NotFound` for the
-    /// database; then nothing has changed.
+    /// The version of that digest is taken where there is one already. Errors: `LeaseLost`, `CancelRequested`,
+    /// `NotFound` for the database; then nothing has changed.
     async fn publish(
         &self,
         id: Uuid,
@@ -456,8 +459,8 @@ pub trait Catalogue: Send + Sync + 'static {
 
     /// Ends a job that needed no new version: the one it found, the alias if one is named, and its success.
     ///
-    /// An alias is moved only when there is a version. Errors: `LeaseLost`, `NotFound` for the version; then
-    /// nothing has changed.
+    /// An alias is moved only when there is a version. Errors: `LeaseLost`, `CancelRequested`, `NotFound` for the
+    /// version; then nothing has changed.
     async fn succeed_job(
         &self,
         id: Uuid,

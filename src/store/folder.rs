@@ -46,7 +46,7 @@ pub enum OpenFolderError {
         source: OpenCatalogueError,
     },
     /// The folder of the blobs can't be opened.
-    #[error("cannot open the blobs in {}", path.display())]
+    #[error("cannot open the blobs in {}: is its disk mounted?", path.display())]
     Blobs {
         path: PathBuf,
         #[source]
@@ -86,8 +86,10 @@ pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     create(data_dir).map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
     let lock = Arc::new(FolderLock::take(data_dir)?);
 
+    // Made before the catalogue, so a catalogue without blobs means that they were lost or are not mounted.
+    let new = !data_dir.join("catalogue.sqlite").exists();
     let path = data_dir.join("blobs");
-    let blobs = match Blobs::in_folder(&path, lock.clone()).await {
+    let blobs = match Blobs::in_folder(&path, new, lock.clone()).await {
         Ok(blobs) => blobs,
         Err(source) => return Err(OpenFolderError::Blobs { path, source }),
     };

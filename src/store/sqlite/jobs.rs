@@ -237,6 +237,16 @@ pub async fn held(connection: &mut SqliteConnection, id: Uuid, token: i64) -> Re
     read(&row.ok_or(CatalogueError::LeaseLost)?)
 }
 
+/// Gives the job that this token still holds, unless it was asked to end: then nothing may come of it any more.
+pub async fn held_and_wanted(
+    connection: &mut SqliteConnection,
+    id: Uuid,
+    token: i64,
+) -> Result<JobRow, CatalogueError> {
+    let row = held(connection, id, token).await?;
+    if row.cancel_requested { Err(CatalogueError::CancelRequested) } else { Ok(row) }
+}
+
 /// Ends a job that this token holds.
 pub async fn finish(
     connection: &mut SqliteConnection,

@@ -322,7 +322,7 @@ impl Catalogue for SqliteCatalogue {
         promote_alias: Option<&str>,
     ) -> Result<VersionRow, CatalogueError> {
         let mut transaction = self.write().await?;
-        jobs::held(&mut transaction, id, token).await?;
+        jobs::held_and_wanted(&mut transaction, id, token).await?;
         let (version, _) = versions::insert(&mut transaction, new).await?;
         if let Some(alias) = promote_alias {
             aliases::set(&mut transaction, &new.database, alias, version.version, AliasExpectation::Any)
@@ -342,6 +342,7 @@ impl Catalogue for SqliteCatalogue {
         promote_alias: Option<&str>,
     ) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
+        jobs::held_and_wanted(&mut transaction, id, token).await?;
         let outcome = Outcome { version, problem: None };
         let job = jobs::finish(&mut transaction, id, token, JobState::Succeeded, outcome).await?;
         if let Some(version) = version {

@@ -1,0 +1,71 @@
+//! `POST /v1/databases/{database}/trainings`: make a version of the exemplars, as a job.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use utoipa::ToSchema;
+
+use super::Service;
+use super::databases::{DatabasePath, read_options};
+use super::extract::{Json as JsonIn, Path};
+use super::jobs::JobBody;
+use super::options::{self, LandmarkOptionsBody};
+use super::problem::{Code, Problem};
+use crate::jobs::{Promote, TrainingParams};
+
+/// Whether `current` moves to the new version.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PromoteWord {
+    #[default]
+    Always,
+    /// Not in this release.
+    IfNotWorse,
+    Never,
+}
+
+/// A training to do.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewTraining {
+    /// Put over the database's options for this training alone.
+    #[schema(value_type = Option<LandmarkOptionsBody>)]
+    pub options: Option<Map<String, Value>>,
+    /// Whether `current` moves to the new version.
+    #[serde(default)]
+    #[schema(default = "always")]
+    pub promote: PromoteWord,
+}
+
+/// Train the database's exemplars into a version: answers at once with a job.
+#[utoipa::path(
+    post, path = "/v1/databases/{database}/trainings", tag = "databases", params(DatabasePath),
+    request_body = NewTraining,
+    responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
+)]
+pub async fn post(
+    State(service): State<Service>,
+    Path(path): Path<DatabasePath>,
+    JsonIn(new): JsonIn<NewTraining>,
+) -> Result<Response, Problem> {
+    let promote = match new.promote {
+        PromoteWord::Always => Promote::Always,
+        PromoteWord::Never => Promote::Never,
+        PromoteWord::IfNotWorse => {
+            return Err(Problem::new(
+                Code::NotYet,
+                "promote if_not_worse is not in this release: use never, look at the version's report, and point \
+                 the alias current to it yourself",
+            ));
+        }
+    };
+    let base = read_options(&service.databases.get(&path.database).await?)?;
+    let options = options::over(base, &new.options.unwrap_or_default())?;
+    let job = service.jobs.train(&path.database, &TrainingParams { options, promote }).await?;
+    let location = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id));
+    let location = location.map_err(|_| Problem::new(Code::Internal, "the job has no address"))?;
+    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(JobBody::from(job))).into_response())
+}
