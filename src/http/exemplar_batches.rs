@@ -283,8 +283,9 @@ fn gnu_name(bytes: &[u8]) -> Option<String> {
 
 /// The name in a pax header: lines of `<length> <key>=<value>`.
 fn pax_name(bytes: &[u8]) -> Option<String> {
-    let line = bytes.split(|&byte| byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
-    line.filter_map(|line| line.split_once(' ')?.1.strip_prefix("path=")).last().map(str::to_owned)
+    // The last one counts.
+    let mut lines = bytes.rsplit(|&byte| byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
+    lines.find_map(|line| line.split_once(' ')?.1.strip_prefix("path=")).map(str::to_owned)
 }
 
 /// The bytes of an entry; none when it is larger than that.

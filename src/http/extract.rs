@@ -23,6 +23,9 @@ impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Path<T> {
                 ErrorKind::DeserializeError { key, message, .. } => {
                     Problem::field(format!("#{key}"), message.clone())
                 }
+                ErrorKind::ParseErrorAtKey { key, value, expected_type } => {
+                    Problem::field(format!("#{key}"), format!("{value:?} can't be read as {expected_type}"))
+                }
                 _ => Problem::field("#path", error.body_text()),
             },
             rejection => Problem::field("#path", rejection.body_text()),

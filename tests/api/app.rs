@@ -33,7 +33,7 @@ pub struct App {
     router: Router,
     /// The background work, until it is started.
     held: Option<Parts>,
-    background: Option<JoinHandle<()>>,
+    background: Option<JoinHandle<Result<(), JoinError>>>,
     shutdown: watch::Sender<bool>,
     folder: Arc<TempDir>,
     may_leave_jobs: bool,
@@ -73,13 +73,14 @@ impl App {
         };
         let mut settings = Settings::settle(given, None).unwrap();
         change(&mut settings);
-        let parts = serve::wire(&settings).await.unwrap();
+        let (shutdown, watched) = watch::channel(false);
+        let parts = serve::wire(&settings, watched).await.unwrap();
         Self {
             service: parts.service.clone(),
             router: http::router(parts.service.clone()),
             held: Some(parts),
             background: None,
-            shutdown: watch::channel(false).0,
+            shutdown,
             folder,
             may_leave_jobs: false,
         }
@@ -88,7 +89,7 @@ impl App {
     /// Start the background work that was held back.
     pub fn begin(&mut self) {
         let parts = self.held.take().expect("the background work begins once");
-        self.background = Some(parts.start(self.shutdown.subscribe()).1);
+        self.background = Some(parts.start().1);
     }
 
     /// Jobs may be left unfinished when the app is dropped.

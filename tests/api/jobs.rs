@@ -46,7 +46,7 @@ impl Occupied {
             let (release, held) = mpsc::channel::<()>();
             let compute = app.service.compute.clone();
             // Ends when the sender is dropped.
-            tokio::spawn(async move { compute.run(lane, 0, move || drop(held.recv())).await.is_ok() });
+            tokio::spawn(async move { compute.run(lane, 0, move || held.recv()).await.is_ok() });
             release
         });
         let held = Self(held.collect());

@@ -9,6 +9,7 @@ use landmarkd::store::open_folder;
 use landmarkd::telemetry::chain;
 use reqwest::Client;
 use serde_json::{Value, json};
+use tokio::sync::watch;
 
 use crate::app::App;
 use crate::pictures::{Numbers, scene_png};
@@ -141,7 +142,9 @@ fn settings(folder: &std::path::Path) -> Settings {
 async fn a_folder_in_use_is_refused_with_what_to_do() {
     let folder = Arc::new(tempfile::tempdir().unwrap());
     let first = App::open(Arc::clone(&folder), |_| ()).await;
-    let Err(refused) = serve::wire(&settings(folder.path())).await else { panic!("two in one folder") };
+    let Err(refused) = serve::wire(&settings(folder.path()), watch::channel(false).1).await else {
+        panic!("two in one folder")
+    };
     let text = chain(&refused);
     assert!(text.contains("in use by another process") && text.contains("choose another folder"), "{text}");
 
@@ -152,7 +155,7 @@ async fn a_folder_in_use_is_refused_with_what_to_do() {
     assert!(!second.status.success());
     assert!(said.contains("in use by another process"), "{said}");
     drop(first);
-    serve::wire(&settings(folder.path())).await.unwrap();
+    serve::wire(&settings(folder.path()), watch::channel(false).1).await.unwrap();
 }
 
 /// The service's own client: no proxy, and no connection is used twice, so that a kill shows at once.
