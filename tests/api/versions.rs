@@ -76,7 +76,7 @@ async fn a_first_training_with_promote_never_leaves_the_database_untrained() {
     app.add("lab", "cup", 1).await;
     app.add("lab", "can", 2).await;
     app.train("lab", json!({"promote": "never"})).await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -140,7 +140,7 @@ async fn without_current_a_database_is_not_trained_and_its_versions_still_answer
     let app = App::start().await;
     app.trained("lab", 2).await;
     app.delete("/v1/databases/lab/aliases/current").await.expect(204);
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -169,7 +169,11 @@ async fn a_version_tells_its_options_counts_and_report() {
     for number in 1..=3 {
         app.add("lab", if number == 3 { "can" } else { "cup" }, number).await;
     }
-    app.train("lab", json!({"options": {"interest_points": 5, "dimension": 4, "taper": "literal"}})).await;
+    app.train(
+        "lab",
+        json!({"options": {"interest_points": 5, "dimension": 4, "taper": "literal", "colour": "gray"}}),
+    )
+    .await;
     let version = app.get("/v1/databases/lab/versions/1").await.expect(200);
     let options = &version["options"];
     assert_eq!(
@@ -251,7 +255,7 @@ async fn an_artifact_taken_in_elsewhere_answers_as_the_original() {
     assert_eq!((copied.header("etag"), copied.body.as_ref()), (etag.as_str(), file.as_slice()));
 
     // Taking in moves no alias; pointing `current` to it does.
-    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     away.put("/v1/databases/copy/aliases/current", json!({"version": 1})).await.expect(201);
     let at_home = home.recognise("lab", "?explain=true", scene_png(2)).await;
     let abroad = away.recognise("copy", "?explain=true", scene_png(2)).await;
@@ -296,7 +300,7 @@ async fn a_database_made_anew_under_an_old_name_never_answers_with_the_old_one()
         .await
         .expect_problem(404, "unknown_database");
     app.create("lab").await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     app.add("lab", "elsewhere", 5).await;
     app.add("lab", "nowhere", 6).await;
     app.train("lab", json!({})).await;
