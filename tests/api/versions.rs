@@ -169,7 +169,8 @@ async fn a_version_tells_its_options_counts_and_report() {
     for number in 1..=3 {
         app.add("lab", if number == 3 { "can" } else { "cup" }, number).await;
     }
-    app.train("lab", json!({"options": {"interest_points": 5, "dimension": 4, "taper": "literal"}})).await;
+    let options = json!({"interest_points": 5, "dimension": 4, "taper": "literal", "colour": "gray"});
+    app.train("lab", json!({"options": options})).await;
     let version = app.get("/v1/databases/lab/versions/1").await.expect(200);
     let options = &version["options"];
     assert_eq!(
@@ -183,7 +184,9 @@ async fn a_version_tells_its_options_counts_and_report() {
     assert_eq!((&counts["exemplars"], &counts["labels"]), (&json!(3), &json!(2)));
     assert!((1..=15).contains(&counts["interest_points"].as_u64().unwrap()), "{counts}");
     let report = &version["report"];
+    // 4 rings, and of 16 sectors the half of the spectrum that isn't a mirror image, with its ends.
     assert_eq!((&report["dimension"], &report["signature_length"]), (&json!(4), &json!(4 * 9)));
+    assert_eq!(report["colour"], "gray");
     let spectrum: Vec<f64> =
         report["spectrum"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     assert!(spectrum.is_sorted_by(|a, b| a >= b) && spectrum[0] > 0.0, "{spectrum:?}");
