@@ -215,7 +215,7 @@ async fn a_flat_picture_among_others_is_named_in_the_report() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn ten_thousand_flat_windows_do_not_break_a_training() {
+async fn one_picture_under_forty_labels_does_not_break_a_training() {
     let app = App::start().await;
     app.create("lab").await;
     app.add("lab", "cup", 1).await;
@@ -273,7 +273,7 @@ async fn jobs_are_listed_newest_first_by_database_and_state() {
     let [first, second, third] = [first, second, third].map(|job| job["id"].clone());
     assert_eq!(ids("").await, [third.clone(), second.clone(), first.clone()]);
     assert_eq!(ids("database=lab").await, [third.clone(), first.clone()]);
-    assert_eq!(ids("state=succeeded&limit=1").await, [third.clone()]);
+    assert_eq!(ids("state=succeeded&limit=1").await, std::slice::from_ref(&third));
     assert_eq!(ids("state=failed").await, Vec::<Value>::new());
     let cursor = third.as_str().unwrap();
     assert_eq!(ids(&format!("cursor={cursor}")).await, [second, first]);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use axum::body::Body;
 use axum::http::{Method, header};
-use landmarkd::imaging::{DecodeLimits, decode};
+use landmarkd::imaging::{DecodeLimits, Frame, decode};
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, request, tar, with_bytes};
@@ -222,6 +222,20 @@ async fn a_batch_of_frames_is_answered_in_order_with_the_bad_one_in_its_place() 
     let expected =
         [place(3), place(1), "corrupt_image", place(4), place(2), "invalid_field", place(3), place(2)];
     assert_eq!(said, expected, "{batch:#}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_gray_frame_for_a_database_in_colour_is_answered_with_a_doubt() {
+    let app = App::start().await;
+    app.create("home").await;
+    app.add("home", "kitchen", 1).await;
+    app.add("home", "hall", 2).await;
+    let gray = Frame::gray(scene(1).luminance);
+    for (colour, warnings) in [("gray", json!([])), ("opponent", json!(["gray_frame"]))] {
+        app.train("home", json!({"options": {"colour": colour}})).await;
+        assert_eq!(app.recognise("home", "", png(&gray)).await["warnings"], warnings, "{colour}");
+        assert_eq!(app.recognise("home", "", scene_png(1)).await["warnings"], json!([]), "{colour}");
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]

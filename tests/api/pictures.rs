@@ -3,7 +3,7 @@
 use bytes::Bytes;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use landmarkd::imaging::encode::png_rgb8;
+use landmarkd::imaging::encode::{png_gray8, png_rgb8};
 use landmarkd::imaging::{Frame, Image};
 
 /// Side of a scene, in pixels.
@@ -57,9 +57,14 @@ pub fn scene(number: u64) -> Frame {
     Frame::colour(planes)
 }
 
-/// The frame as a PNG file.
+/// The frame as a PNG file, in colour or gray as it is.
 pub fn png(frame: &Frame) -> Bytes {
-    png_rgb8(frame.width(), frame.height(), &frame.to_rgb8()).into()
+    let (width, height) = (frame.width(), frame.height());
+    if frame.is_colour() {
+        return png_rgb8(width, height, &frame.to_rgb8()).into();
+    }
+    let levels: Vec<u8> = frame.luminance.pixels().iter().map(|level| level.round() as u8).collect();
+    png_gray8(width, height, &levels).into()
 }
 
 /// The frame as a JPEG file.

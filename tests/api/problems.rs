@@ -274,7 +274,7 @@ async fn a_picture_with_nothing_to_see_is_an_answer_without_a_decision() {
     for picture in [one_pixel, thin, flat_png(0), flat_png(255), Bytes::from_static(b"P5 1 1 255 x")] {
         let answer = app.recognise("lab", "?explain=true", picture).await;
         assert_eq!(answer["decision"], Value::Null, "{answer:#}");
-        assert_eq!(answer["warnings"][0], "no_interest_points", "{answer:#}");
+        assert!(answer["warnings"].as_array().unwrap().contains(&json!("no_interest_points")), "{answer:#}");
         assert_eq!((&answer["votes"], &answer["points"]), (&json!([]), &json!([])));
     }
     let accept = request(Method::POST, "/v1/databases/lab/recognitions").header(header::ACCEPT, "image/png");

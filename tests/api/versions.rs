@@ -76,7 +76,7 @@ async fn a_first_training_with_promote_never_leaves_the_database_untrained() {
     app.add("lab", "cup", 1).await;
     app.add("lab", "can", 2).await;
     app.train("lab", json!({"promote": "never"})).await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -140,7 +140,7 @@ async fn without_current_a_database_is_not_trained_and_its_versions_still_answer
     let app = App::start().await;
     app.trained("lab", 2).await;
     app.delete("/v1/databases/lab/aliases/current").await.expect(204);
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -169,11 +169,8 @@ async fn a_version_tells_its_options_counts_and_report() {
     for number in 1..=3 {
         app.add("lab", if number == 3 { "can" } else { "cup" }, number).await;
     }
-    app.train(
-        "lab",
-        json!({"options": {"interest_points": 5, "dimension": 4, "taper": "literal", "colour": "gray"}}),
-    )
-    .await;
+    let options = json!({"interest_points": 5, "dimension": 4, "taper": "literal", "colour": "gray"});
+    app.train("lab", json!({"options": options})).await;
     let version = app.get("/v1/databases/lab/versions/1").await.expect(200);
     let options = &version["options"];
     assert_eq!(
@@ -187,7 +184,9 @@ async fn a_version_tells_its_options_counts_and_report() {
     assert_eq!((&counts["exemplars"], &counts["labels"]), (&json!(3), &json!(2)));
     assert!((1..=15).contains(&counts["interest_points"].as_u64().unwrap()), "{counts}");
     let report = &version["report"];
+    // 4 rings, and of 16 sectors the half of the spectrum that isn't a mirror image, with its ends.
     assert_eq!((&report["dimension"], &report["signature_length"]), (&json!(4), &json!(4 * 9)));
+    assert_eq!(report["colour"], "gray");
     let spectrum: Vec<f64> =
         report["spectrum"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     assert!(spectrum.is_sorted_by(|a, b| a >= b) && spectrum[0] > 0.0, "{spectrum:?}");
@@ -255,7 +254,7 @@ async fn an_artifact_taken_in_elsewhere_answers_as_the_original() {
     assert_eq!((copied.header("etag"), copied.body.as_ref()), (etag.as_str(), file.as_slice()));
 
     // Taking in moves no alias; pointing `current` to it does.
-    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
+    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
     away.put("/v1/databases/copy/aliases/current", json!({"version": 1})).await.expect(201);
     let at_home = home.recognise("lab", "?explain=true", scene_png(2)).await;
     let abroad = away.recognise("copy", "?explain=true", scene_png(2)).await;
@@ -300,7 +299,7 @@ async fn a_database_made_anew_under_an_old_name_never_answers_with_the_old_one()
         .await
         .expect_problem(404, "unknown_database");
     app.create("lab").await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
     app.add("lab", "elsewhere", 5).await;
     app.add("lab", "nowhere", 6).await;
     app.train("lab", json!({})).await;
