@@ -86,6 +86,11 @@ fn refuse_declared(headers: &HeaderMap, max_bytes: u64) -> Result<(), Problem> {
     Ok(())
 }
 
+/// Whether the cause of an error is a body over its limit.
+pub fn ran_over(error: &(dyn std::error::Error + 'static)) -> bool {
+    std::iter::successors(Some(error), |error| error.source()).any(|error| error.is::<LengthLimitError>())
+}
+
 /// The problem of a body over its limit.
 pub fn too_large(max_bytes: u64) -> Problem {
     Problem::new(

@@ -302,12 +302,8 @@ async fn read_entry<R: AsyncRead + Unpin>(
 }
 
 fn broken_archive(error: &std::io::Error, max_bytes: u64) -> Problem {
-    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
-    while let Some(error) = cause {
-        if error.is::<http_body_util::LengthLimitError>() {
-            return body::too_large(max_bytes);
-        }
-        cause = error.source();
+    if body::ran_over(error) {
+        return body::too_large(max_bytes);
     }
     Problem::new(
         Code::MalformedRequest,

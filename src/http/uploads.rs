@@ -9,8 +9,8 @@ use axum::BoxError;
 use axum::body::Body;
 use axum::extract::multipart::{Field, Multipart, MultipartError};
 use axum::extract::{FromRequest, FromRequestParts, Request};
+use axum::http::HeaderMap;
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, StatusCode};
 use bytes::{Bytes, BytesMut};
 use futures_util::StreamExt;
 use serde::Serialize;
@@ -208,7 +208,7 @@ impl Part<'_> {
 }
 
 fn broken_form(error: &MultipartError, max_bytes: u64) -> Problem {
-    if error.status() == StatusCode::PAYLOAD_TOO_LARGE {
+    if body::ran_over(error) {
         return body::too_large(max_bytes);
     }
     Problem::new(Code::MalformedRequest, format!("the form can't be read: {}", error.body_text()))

@@ -196,9 +196,31 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn blobs_that_are_not_mounted_are_refused_and_take_no_writes() {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = open_folder(directory.path()).await.unwrap();
+        let (blobs, away) = (directory.path().join("blobs"), directory.path().join("away"));
+        std::fs::rename(&blobs, &away).unwrap();
+        let refused = folder.blobs.put("picture".into()).await;
+        assert!(matches!(refused, Err(BlobError::Unavailable { .. })), "{refused:?}");
+        let name = super::super::BlobName::of(b"picture");
+        let missing = folder.blobs.get(&name, 100).await;
+        assert!(matches!(missing, Err(BlobError::Unavailable { .. })), "{missing:?}");
+        drop(folder);
+        let refused = open_folder(directory.path()).await.err().unwrap();
+        assert!(matches!(refused, OpenFolderError::Blobs { .. }), "{refused:?}");
+        std::fs::remove_dir_all(&blobs).ok();
+        std::fs::rename(&away, &blobs).unwrap();
+        let folder = open_folder(directory.path()).await.unwrap();
+        assert_eq!(folder.blobs.put("picture".into()).await.unwrap(), name);
+    }
+
+    #[tokio::test]
     async fn a_damaged_catalogue_is_refused() {
         let directory = tempfile::tempdir().unwrap();
-        std::fs::write(directory.path().join("catalogue.sqlite"), "no database at all ".repeat(100)).unwrap();
+        drop(open_folder(directory.path()).await.unwrap());
+        std::fs::write(directory.path().join("catalogue.sqlite"), "no database at all ".repeat(1000))
+            .unwrap();
         let refused = open_folder(directory.path()).await.err().unwrap();
         assert!(matches!(refused, OpenFolderError::Catalogue { .. }), "{refused:?}");
         assert!(refused.to_string().contains("catalogue.sqlite"), "{refused}");
