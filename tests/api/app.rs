@@ -34,7 +34,7 @@ pub struct App {
     router: Router,
     /// The background work, until it is started.
     held: Option<Parts>,
-    background: Option<JoinHandle<Result<(), tokio::task::JoinError>>>,
+    background: Option<JoinHandle<Result<(), JoinError>>>,
     shutdown: watch::Sender<bool>,
     folder: Arc<TempDir>,
     may_leave_jobs: bool,

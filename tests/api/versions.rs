@@ -303,7 +303,7 @@ async fn a_database_made_anew_under_an_old_name_never_answers_with_the_old_one()
         .await
         .expect_problem(404, "unknown_database");
     app.create("lab").await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
     app.add("lab", "elsewhere", 5).await;
     app.add("lab", "nowhere", 6).await;
     app.train("lab", json!({})).await;
