@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use axum::BoxError;
 use axum::body::Body;
 use axum::extract::multipart::{Field, Multipart, MultipartError};
 use axum::extract::{FromRequest, FromRequestParts, Request};
@@ -125,12 +126,13 @@ impl Meter {
     fn watch(&self, body: Body) -> Body {
         let meter = self.clone();
         Body::from_stream(body.into_data_stream().map(move |chunk| {
-            let chunk = chunk?;
+            // Without its wrapper: the body gets one again, and under a second the limit's own error isn't seen.
+            let chunk = chunk.map_err(axum::Error::into_inner)?;
             let pending = meter.0.fetch_add(chunk.len() as u64, Ordering::Relaxed) + chunk.len() as u64;
             if pending > MAX_PENDING_BYTES {
-                return Err(axum::Error::new(std::io::Error::other("a part's head has no end")));
+                return Err(std::io::Error::other("a part's head has no end").into());
             }
-            Ok(chunk)
+            Ok::<_, BoxError>(chunk)
         }))
     }
 }

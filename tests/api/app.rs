@@ -11,6 +11,7 @@ use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderMap, Method, Request, header, request};
 use bytes::Bytes;
+use futures_util::stream;
 use http_body_util::BodyExt;
 use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::database::JobState;
@@ -20,7 +21,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
-use tokio::task::{JoinHandle, block_in_place};
+use tokio::task::{JoinError, JoinHandle, block_in_place};
 use tower::ServiceExt;
 
 use crate::pictures;
@@ -33,7 +34,7 @@ pub struct App {
     router: Router,
     /// The background work, until it is started.
     held: Option<Parts>,
-    background: Option<JoinHandle<Result<(), tokio::task::JoinError>>>,
+    background: Option<JoinHandle<Result<(), JoinError>>>,
     shutdown: watch::Sender<bool>,
     folder: Arc<TempDir>,
     may_leave_jobs: bool,
@@ -226,7 +227,8 @@ impl Drop for App {
             self.shutdown.send_replace(true);
             if let Some(background) = background {
                 let ended = tokio::time::timeout(Duration::from_secs(20), background).await;
-                assert!(ended.is_ok() || std::thread::panicking(), "the background work doesn't end");
+                let well = matches!(ended, Ok(Ok(Ok(()))));
+                assert!(well || std::thread::panicking(), "the background work doesn't end well: {ended:?}");
             }
             counted.into_iter().filter(|(state, _)| !JobState::is_terminal(*state)).collect::<Vec<_>>()
         });
@@ -245,7 +247,17 @@ pub fn with_json(builder: request::Builder, body: &Value) -> Request<Body> {
 }
 
 pub fn with_bytes(builder: request::Builder, media_type: &str, bytes: impl Into<Bytes>) -> Request<Body> {
-    builder.header(header::CONTENT_TYPE, media_type).body(Body::from(bytes.into())).unwrap()
+    builder.header(header::CONTENT_TYPE, media_type).body(in_pieces(bytes.into(), 64 << 10)).unwrap()
+}
+
+/// A body of undeclared length that comes as over a wire: piece by piece, and not all of it is there at once.
+pub fn in_pieces(bytes: Bytes, piece_bytes: usize) -> Body {
+    let pieces = stream::unfold(bytes, move |mut rest| async move {
+        tokio::task::yield_now().await;
+        let piece = rest.split_to(piece_bytes.min(rest.len()));
+        (!piece.is_empty()).then_some((Ok::<_, std::io::Error>(piece), rest))
+    });
+    Body::from_stream(pieces)
 }
 
 /// What the service answered.

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use futures_util::future::join_all;
 use landmarkd::compute::Lane;
 
-use crate::app::{App, form, form_type, request, tar, with_bytes};
+use crate::app::{App, form, form_type, in_pieces, request, tar, with_bytes};
 use crate::pictures::{jpeg, png, scene, scene_png};
 
 #[tokio::test(flavor = "multi_thread")]
@@ -83,14 +83,34 @@ async fn a_batch_has_at_most_so_many_bytes_and_keeps_what_came_before() {
     let path = "/v1/databases/lab/exemplars:batch";
     let archive = tar(&(1..=40).map(|n| (format!("cup/{n}.png"), scene_png(n))).collect::<Vec<_>>()).await;
     assert!(archive.len() > 60_000);
-    // It comes in pieces, as over a wire.
-    let pieces =
-        (0..archive.len()).step_by(1000).map(move |at| archive.slice(at..archive.len().min(at + 1000)));
-    let body = Body::from_stream(futures_util::stream::iter(pieces.map(Ok::<_, std::io::Error>)));
+    let body = in_pieces(archive, 1000);
     let asked = request(Method::POST, path).header("content-type", "application/x-tar").body(body).unwrap();
     app.send(asked).await.expect_problem(413, "body_too_large");
     let kept = app.get("/v1/databases/lab").await.expect(200)["exemplars"].as_u64().unwrap();
     assert!((1..40).contains(&kept), "{kept} were kept");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn bodies_that_fill_their_memory_are_refused_until_one_ends() {
+    let app = App::start_with(|settings| {
+        settings.limits.max_body_bytes_total = 1 << 20;
+        settings.limits.body_timeout = Duration::from_secs(1);
+    })
+    .await;
+    app.trained("lab", 2).await;
+    let path = "/v1/databases/lab/recognitions";
+    let ask = || with_bytes(request(Method::POST, path), "image/png", scene_png(1));
+    let endless = Body::from_stream(futures_util::stream::pending::<Result<Bytes, std::io::Error>>());
+    let slow = app.send(request(Method::POST, path).body(endless).unwrap());
+    let others = async {
+        // Of unknown length, so the slow one takes all the room there is.
+        while app.send_expecting_5xx(ask()).await.status == 200 {}
+        app.send_expecting_5xx(ask()).await.expect_problem(503, "overloaded");
+        app.get("/v1/databases/lab").await.expect(200);
+    };
+    let (slow, ()) = tokio::join!(slow, others);
+    slow.expect_problem(408, "body_timeout");
+    app.send(ask()).await.expect(200);
 }
 
 #[tokio::test(flavor = "multi_thread")]

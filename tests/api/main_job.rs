@@ -164,6 +164,20 @@ async fn one_bad_picture_in_an_archive_never_loses_the_rest() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn long_names_in_an_archive_are_read_whole() {
+    let app = App::start().await;
+    app.create("home").await;
+    // Longer than the 100 bytes of a tar header, so that it comes as an entry of its own.
+    let file = format!("{}/cup/{}__33.png", "shelf".repeat(12), "view".repeat(30));
+    let archive = tar(&[(&file, scene_png(1)), (&"can/short.png".to_owned(), scene_png(2))]).await;
+    let path = "/v1/databases/home/exemplars:batch";
+    let batch = app.post_bytes(path, "application/x-tar", archive).await.expect(200);
+    assert_eq!(statuses(&batch), [(file.as_str(), "created"), ("can/short.png", "created")], "{batch:#}");
+    let cups = app.get("/v1/databases/home/exemplars?label=cup").await.expect(200);
+    assert_eq!(cups["items"][0]["pose_deg"], 33.0, "{cups:#}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn one_bad_picture_in_a_form_with_a_manifest_never_loses_the_rest() {
     let app = App::start().await;
     app.create("home").await;
