@@ -59,7 +59,7 @@ pub fn room_lesson() -> Lesson {
         ask("tilted, from elsewhere", drawn(vec![(&scene, elsewhere(0))], seed + 2));
         // the line goes through the centre: half of the view is behind it
         let covered = View { turn_deg: 180.0 * choice(8), ..View::of(0.0, 0.0) };
-        ask("the same, half covered", drawn(vec![(&scene, elsewhere(1)), (&cloth, covered)], seed + 4));
+        ask("tilted, half covered", drawn(vec![(&scene, elsewhere(1)), (&cloth, covered)], seed + 4));
     }
     lesson
 }

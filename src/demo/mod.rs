@@ -177,7 +177,7 @@ async fn examine(
 ) -> Result<BTreeMap<String, Rate>, DemoError> {
     let all = lesson.questions.len() <= MOST_ROWS;
     if !all {
-        writeln!(out, "of {} answers, the wrong ones:", lesson.questions.len())?;
+        writeln!(out, "of {} answers only wrong ones are listed:", lesson.questions.len())?;
     }
     writeln!(out, "  {:<28}{:<20}{:<20}{:>10}{:>8}", "view", "shown", "answered", "share of W", "ms")?;
     let mut rates: BTreeMap<String, Rate> = BTreeMap::new();
