@@ -76,7 +76,7 @@ async fn a_first_training_with_promote_never_leaves_nothing_current() {
     app.add("lab", "cup", 1).await;
     app.add("lab", "can", 2).await;
     app.train("lab", json!({"promote": "never"})).await;
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -163,7 +163,7 @@ async fn without_current_the_versions_of_a_database_answer_by_number() {
     app.add("lab", "can", 2).await;
     app.train("lab", json!({})).await;
     app.delete("/v1/databases/lab/aliases/current").await.expect(204);
-    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    app.post_png("/v1/databases/lab/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     assert_eq!(answering(&app, "?version=1").await, 1);
 }
 
@@ -277,7 +277,7 @@ async fn an_artifact_taken_in_elsewhere_answers_as_the_original() {
     assert_eq!((copied.header("etag"), copied.body.as_ref()), (etag.as_str(), file.as_slice()));
 
     // Taking in moves no alias; pointing `current` to it does.
-    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "not_trained");
+    away.post_png("/v1/databases/copy/recognitions", scene_png(1)).await.expect_problem(409, "no_current");
     away.put("/v1/databases/copy/aliases/current", json!({"version": 1})).await.expect(201);
     let at_home = home.recognise("lab", "?explain=true", scene_png(2)).await;
     let abroad = away.recognise("copy", "?explain=true", scene_png(2)).await;
