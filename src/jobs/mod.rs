@@ -9,7 +9,7 @@ mod training;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::Notify;
+use tokio::sync::{Notify, RwLock};
 use uuid::Uuid;
 
 use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name};
@@ -38,6 +38,9 @@ pub struct Jobs {
     work: Arc<Notify>,
     /// Woken when a job of this process changed; other processes' changes are found by polling.
     changed: Arc<Notify>,
+    /// Written from a job's success until this process serves what it made: whoever reads of the success and asks
+    /// next gets the new version.
+    publishing: Arc<RwLock<()>>,
 }
 
 /// How long a reader of events waits before it looks again by itself.
@@ -46,7 +49,7 @@ const EVENTS_POLL: Duration = Duration::from_millis(500);
 impl Jobs {
     /// The queue kept in `catalogue`.
     pub fn new(catalogue: Arc<dyn Catalogue>) -> Self {
-        Self { catalogue, work: Arc::default(), changed: Arc::default() }
+        Self { catalogue, work: Arc::default(), changed: Arc::default(), publishing: Arc::default() }
     }
 
     /// Queue a training of the database.
@@ -73,7 +76,9 @@ impl Jobs {
     /// # Errors
     /// [`JobError::Unknown`].
     pub async fn get(&self, id: Uuid) -> Result<JobRow, JobError> {
-        self.catalogue.job(id).await.map_err(DatabaseError::from)?.ok_or(JobError::Unknown { id })
+        let job = self.catalogue.job(id).await.map_err(DatabaseError::from)?;
+        let _served = self.publishing.read().await;
+        job.ok_or(JobError::Unknown { id })
     }
 
     /// Jobs, the newest first; `after` is the oldest one seen.
@@ -83,7 +88,9 @@ impl Jobs {
         after: Option<Uuid>,
         limit: u32,
     ) -> Result<Vec<JobRow>, JobError> {
-        Ok(self.catalogue.jobs(filter, after, limit).await.map_err(DatabaseError::from)?)
+        let jobs = self.catalogue.jobs(filter, after, limit).await.map_err(DatabaseError::from)?;
+        let _served = self.publishing.read().await;
+        Ok(jobs)
     }
 
     /// Ask a job to end. A running one ends at its next step.
@@ -111,6 +118,7 @@ impl Jobs {
         loop {
             let changed = self.changed.notified();
             let events = self.catalogue.job_events(id, after).await.map_err(DatabaseError::from)?;
+            drop(self.publishing.read().await);
             if !events.is_empty() {
                 return Ok(events);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use tokio::sync::{Mutex, watch};
+use tokio::sync::{Mutex, RwLockWriteGuard, watch};
 use uuid::Uuid;
 
 use super::{Jobs, training};
@@ -75,6 +75,11 @@ impl Lease {
             self.renew(Some(&Progress { stage: stage.into(), done, total })).await;
         }
         self.go_on()
+    }
+
+    /// Held from before the job's success until this process serves what it made.
+    pub(super) async fn publishing(&self) -> RwLockWriteGuard<'_, ()> {
+        self.jobs.publishing.write().await
     }
 
     /// Whether the job should go on.

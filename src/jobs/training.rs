@@ -4,7 +4,7 @@
 //! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures_util::{StreamExt, TryStreamExt, stream};
@@ -110,6 +110,7 @@ pub(super) async fn run(
     if let Some(found) = databases.catalogue.version_by_digest(&job.database, &digest).await? {
         match databases.registry().check(&job.database, &digest, &found.blob).await {
             Ok(()) => {
+                let _publishing = lease.publishing().await;
                 databases.catalogue.succeed_job(lease.id, lease.token, Some(found.version), promote).await?;
                 announce(databases).await;
                 return Ok(found.version);
@@ -140,15 +141,23 @@ pub(super) async fn run(
     new.report = Report { timings_ms: Some(timings), ..artifact.report }.to_document();
     databases.registry().check(&job.database, &new.digest, &new.blob).await?;
     lease.go_on()?;
+    let _publishing = lease.publishing().await;
     let version = databases.catalogue.publish(lease.id, lease.token, &new, promote).await?;
     announce(databases).await;
     Ok(version.version)
 }
 
+/// Longest that readers of jobs are kept waiting for a version to be served.
+const ANNOUNCE_PATIENCE: Duration = Duration::from_secs(5);
+
 /// Serve what was published. The job has ended: if this fails, the next refresh does it.
 async fn announce(databases: &Databases) {
-    if let Err(error) = databases.registry().refresh().await {
-        tracing::warn!(error = crate::telemetry::chain(&error), "can't refresh after a training");
+    match tokio::time::timeout(ANNOUNCE_PATIENCE, databases.registry().refresh()).await {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => {
+            tracing::warn!(error = crate::telemetry::chain(&error), "can't refresh after a training");
+        }
+        Err(_) => tracing::warn!("the refresh after a training takes long: it is served a little later"),
     }
 }
 

@@ -4,8 +4,9 @@
 //! 5xx fails the test unless it is asked for with [`App::send_expecting_5xx`]. A test that leaves a job queued or
 //! running fails when its app is dropped, unless it says so with [`App::leave_jobs`].
 
+use std::error::Error;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::body::Body;
@@ -17,6 +18,7 @@ use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::database::JobState;
 use landmarkd::http::{self, Service};
 use landmarkd::serve::{self, Parts};
+use landmarkd::telemetry::chain;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use tokio::runtime::Handle;
@@ -75,7 +77,7 @@ impl App {
         let mut settings = Settings::settle(given, None).unwrap();
         change(&mut settings);
         let (shutdown, watched) = watch::channel(false);
-        let parts = serve::wire(&settings, watched).await.unwrap();
+        let parts = once_free(async || serve::wire(&settings, watched.clone()).await).await;
         Self {
             service: parts.service.clone(),
             router: http::router(parts.service.clone()),
@@ -234,6 +236,20 @@ impl Drop for App {
         });
         let complains = !self.may_leave_jobs && !std::thread::panicking();
         assert!(!complains || left.is_empty(), "the test leaves jobs: {left:?}");
+    }
+}
+
+/// Open a folder once whoever held it before has let go of it: the last task of a store may outlive its last call.
+pub async fn once_free<T, E: Error + 'static>(open: impl AsyncFn() -> Result<T, E>) -> T {
+    let started = Instant::now();
+    loop {
+        match open().await {
+            Ok(opened) => return opened,
+            Err(error) if chain(&error).contains("in use") && started.elapsed() < Duration::from_secs(5) => {
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+            Err(error) => panic!("{}", chain(&error)),
+        }
     }
 }
 

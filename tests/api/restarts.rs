@@ -11,7 +11,7 @@ use reqwest::Client;
 use serde_json::{Value, json};
 use tokio::sync::watch;
 
-use crate::app::App;
+use crate::app::{App, once_free};
 use crate::pictures::{Numbers, scene_png};
 use crate::process::{Process, landmarkd};
 
@@ -52,7 +52,7 @@ async fn a_job_that_a_dead_process_left_running_is_taken_up_and_finishes_once() 
     app.leave_jobs();
     let folder = app.stop();
     // A worker claims the job for an hour and dies.
-    let dead = open_folder(folder.path()).await.unwrap();
+    let dead = once_free(async || open_folder(folder.path()).await).await;
     let claimed =
         dead.catalogue.claim_job("a dead worker", &["training"], Duration::from_secs(3600), 5).await;
     assert_eq!(claimed.unwrap().unwrap().id.to_string(), job["id"]);
@@ -77,7 +77,7 @@ async fn a_job_that_kills_its_worker_time_after_time_is_given_up() {
     app.leave_jobs();
     let folder = app.stop();
     for attempt in 1..=5 {
-        let dead = open_folder(folder.path()).await.unwrap();
+        let dead = once_free(async || open_folder(folder.path()).await).await;
         let worker = format!("victim {attempt}");
         dead.catalogue.release_dead_leases(&worker).await.unwrap();
         let claimed = dead.catalogue.claim_job(&worker, &["training"], Duration::from_secs(3600), 5).await;
@@ -155,7 +155,7 @@ async fn a_folder_in_use_is_refused_with_what_to_do() {
     assert!(!second.status.success());
     assert!(said.contains("in use by another process"), "{said}");
     drop(first);
-    serve::wire(&settings(folder.path()), watch::channel(false).1).await.unwrap();
+    once_free(async || serve::wire(&settings(folder.path()), watch::channel(false).1).await).await;
 }
 
 /// The service's own client: no proxy, and no connection is used twice, so that a kill shows at once.

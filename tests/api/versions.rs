@@ -81,6 +81,25 @@ async fn a_first_training_with_promote_never_leaves_nothing_current() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn whoever_reads_of_a_success_is_answered_by_the_new_version() {
+    let app = App::start().await;
+    app.trained("lab", 4).await;
+    for (round, version) in (2..=12).zip(2_i64..) {
+        let options = json!({"options": {"interest_points": 16 + round}});
+        let job = app.post("/v1/databases/lab/trainings", options).await.expect(202);
+        let path = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
+        // Without a pause, so that the success is read as early as it can be.
+        while app.get(&path).await.expect(200)["state"] != "succeeded" {}
+        assert_eq!(answering(&app, "").await, version);
+        // Back to a version that is there already: the same promise.
+        let job = app.post("/v1/databases/lab/trainings", json!({})).await.expect(202);
+        let path = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
+        while app.get(&path).await.expect(200)["state"] != "succeeded" {}
+        assert_eq!(answering(&app, "").await, 1);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn an_answer_names_the_version_and_digest_that_gave_it() {
     let app = App::start().await;
     two_versions(&app).await;
