@@ -241,16 +241,19 @@ fn frame(picture: DynamicImage) -> Frame {
 
 /// Interleaved samples to one or three planes of grey levels, over black where there is alpha.
 fn planes<T: Copy>(samples: &[T], colour: bool, alpha: bool, level: impl Fn(T) -> f32) -> Vec<Vec<f32>> {
-    let channels = if colour { 3 } else { 1 };
-    let stride = channels + usize::from(alpha);
-    (0..channels)
-        .map(|channel| match alpha {
-            false => samples.iter().skip(channel).step_by(stride).map(|&v| level(v)).collect(),
-            true => {
-                samples.chunks_exact(stride).map(|p| level(p[channel]) * level(p[channels]) / 255.0).collect()
-            }
-        })
-        .collect()
+    match (colour, alpha) {
+        (false, false) => vec![plane::<T, 1>(samples, |[v]| level(v))],
+        (false, true) => vec![plane::<T, 2>(samples, |[v, a]| level(v) * level(a) / 255.0)],
+        (true, false) => (0..3).map(|c| plane::<T, 3>(samples, |rgb| level(rgb[c]))).collect(),
+        (true, true) => {
+            (0..3).map(|c| plane::<T, 4>(samples, |rgba| level(rgba[c]) * level(rgba[3]) / 255.0)).collect()
+        }
+    }
+}
+
+/// One plane from pixels of `N` samples: their number is known, so that the loop is a tight one.
+fn plane<T: Copy, const N: usize>(samples: &[T], level: impl Fn([T; N]) -> f32) -> Vec<f32> {
+    samples.as_chunks::<N>().0.iter().map(|&pixel| level(pixel)).collect()
 }
 
 #[cfg(test)]
