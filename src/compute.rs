@@ -148,10 +148,11 @@ impl Compute {
         F: FnOnce() -> T + Send + 'static,
     {
         let lane = Arc::clone(self.lane(lane));
-        let free = lane.permits.available_permits() > 0;
+        // Who is about to take a free permit counts as waiting until it has it.
+        let free = lane.permits.available_permits();
         let ahead = lane.waiting.fetch_add(1, Ordering::Relaxed);
         let counted = Waiting(Arc::clone(&lane));
-        if !free && ahead >= lane.most_waiting {
+        if ahead >= lane.most_waiting + free {
             return Err(ComputeError::Full {
                 waiting: ahead,
                 // 20 ms a frame is what a busy robot camera costs; the client's own jitter does the rest.
@@ -218,6 +219,7 @@ pub fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
 mod tests {
     use super::*;
     use std::sync::mpsc;
+    use std::task::Poll;
 
     #[tokio::test]
     async fn a_full_lane_refuses_at_once_and_recovers() {
@@ -243,6 +245,19 @@ mod tests {
         assert!(running.await.unwrap());
         assert_eq!(waiting.await.unwrap().unwrap(), 7);
         assert_eq!(compute.run(Lane::Recognition, 0, || 9).await.unwrap().0, 9);
+    }
+
+    #[tokio::test]
+    async fn a_burst_is_refused_even_before_anything_runs() {
+        let compute = Compute::new(1, 2, 1 << 20).unwrap();
+        let mut burst: Vec<_> = (0..10).map(|_| Box::pin(compute.run(Lane::Recognition, 0, || ()))).collect();
+        let mut refused = 0;
+        for caller in &mut burst {
+            let answer = futures_util::poll!(caller);
+            refused += usize::from(matches!(answer, Poll::Ready(Err(ComputeError::Full { .. }))));
+        }
+        // One has the free thread, two wait.
+        assert_eq!(refused, 7);
     }
 
     #[tokio::test]
