@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use landmarkd::eigen::EigenpointIndex;
+use landmarkd::eigen::{EigenpointIndex, Vicinity, Way};
 
 const QUERIES: usize = 64;
 
@@ -49,5 +49,47 @@ fn search(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, search);
+/// All eigenpoints within a radius that holds about five: the three ways of an object database. They must agree
+/// before they are timed.
+fn vicinity(criterion: &mut Criterion) {
+    for dimension in [8, 15, 36] {
+        let mut group =
+            criterion.benchmark_group(format!("within a radius, 64 queries of {dimension} coordinates"));
+        group
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(300))
+            .measurement_time(Duration::from_secs(1));
+        group.throughput(Throughput::Elements(QUERIES as u64));
+        for count in [720, 7_200, 72_000] {
+            let points = cloud(count, dimension, 1);
+            let noise = cloud(QUERIES, dimension, 3);
+            let queries: Vec<f32> = points.iter().zip(&noise).map(|(p, n)| p + 0.05 * n).collect();
+            let radius = usual_radius(&points, &queries, dimension);
+            let ways = [("k-d tree", Way::KdTree), ("slabs", Way::Slabs), ("product", Way::Exhaustive)];
+            let answer = |way: &Vicinity| -> Vec<_> {
+                queries.chunks_exact(dimension).map(|query| way.within(query, radius)).collect()
+            };
+            let built = ways.map(|(name, way)| (name, Vicinity::new(points.clone(), dimension, way)));
+            let expected = answer(&built[2].1);
+            for (name, way) in &built {
+                assert_eq!(answer(way), expected, "{name} gives other answers");
+                group.bench_with_input(BenchmarkId::new(*name, count), way, |b, way| {
+                    b.iter(|| black_box(answer(way)));
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+/// The median distance of the fifth nearest.
+fn usual_radius(points: &[f32], queries: &[f32], dimension: usize) -> f64 {
+    let all = Vicinity::new(points.to_vec(), dimension, Way::Exhaustive);
+    let fifth = |query: &[f32]| f64::from(all.within(query, f64::INFINITY)[4].distance);
+    let mut distances: Vec<f64> = queries.chunks_exact(dimension).map(fifth).collect();
+    distances.sort_by(f64::total_cmp);
+    distances[distances.len() / 2]
+}
+
+criterion_group!(benches, search, vicinity);
 criterion_main!(benches);

@@ -19,6 +19,11 @@ const LEAST_RELATIVE_VARIANCE: f64 = 1e-12;
 const ORTHONORMALITY: f64 = 1e-4;
 /// Rows that are taken into f64 at a time: bounds the memory beside the covariance.
 const CHUNK_ROWS: usize = 1024;
+/// Directions that are iterated beside those asked for: the more, the faster the others settle.
+const OVERSAMPLING: usize = 32;
+/// Eigenvalues have settled when none asked for changes by more than this part of the largest.
+const SETTLED: f64 = 1e-6;
+const MOST_ITERATIONS: usize = 200;
 
 /// A mean and an orthonormal basis; vectors become points of a few coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,19 +85,16 @@ impl Eigenspace {
             return Err(EigenError::NoVariance { vectors: count });
         }
 
-        let mut basis = Vec::with_capacity(kept * length);
-        for i in 0..kept {
-            let eigenvector = eigen.U().col(size - 1 - i);
-            let mut direction: Vec<f64> = match through_gram {
-                false => (0..length).map(|k| eigenvector[k]).collect(),
-                true => combined(rows, &mean, |row| eigenvector[row]),
-            };
-            let norm = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let largest = direction.iter().fold(0.0, |l: f64, &v| if v.abs() > l.abs() { v } else { l });
-            let scale = if largest < 0.0 { -1.0 / norm } else { 1.0 / norm };
-            direction.iter_mut().for_each(|v| *v *= scale);
-            basis.extend(direction.iter().map(|&v| v as f32));
+        // largest first
+        let mut directions = Mat::zeros(size, kept);
+        for (i, mut column) in directions.col_iter_mut().enumerate() {
+            column.copy_from(eigen.U().col(size - 1 - i));
         }
+        if through_gram {
+            directions = combined(rows, &mean, &directions);
+        }
+        let basis = directions.col_iter();
+        let basis = basis.flat_map(|column| oriented((0..length).map(|k| column[k]).collect())).collect();
         let eigenspace = Eigenspace {
             mean: mean.iter().map(|&v| v as f32).collect(),
             basis,
@@ -101,6 +103,91 @@ impl Eigenspace {
         };
         eigenspace.check_basis()?;
         Ok((eigenspace, spectrum))
+    }
+
+    /// The same leading directions from a set so large that the whole spectrum would take too long: subspace
+    /// iteration (Halko, Martinsson and Tropp 2011) from a start drawn with a fixed seed, chunk by chunk.
+    ///
+    /// Returns the eigenspace and as much of the spectrum: of the kept directions and no more.
+    pub fn fit_leading(
+        rows: &[f32],
+        length: usize,
+        dimension: usize,
+    ) -> Result<(Eigenspace, Vec<f64>), EigenError> {
+        if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
+            return Err(EigenError::Shape { values: rows.len(), length });
+        }
+        if !rows.iter().all(|v| v.is_finite()) {
+            return Err(EigenError::NotFinite);
+        }
+        let count = rows.len() / length;
+        let mean = mean(rows, length);
+        let degrees = count.saturating_sub(1).max(1) as f64;
+        let squares = rows.chunks(CHUNK_ROWS * length).flat_map(|chunk| centred(chunk, &mean));
+        let total_variance = squares.map(|v| v * v).sum::<f64>() / degrees;
+        let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
+        if total_variance <= LEAST_RELATIVE_VARIANCE * mean_square {
+            return Err(EigenError::NoVariance { vectors: count });
+        }
+
+        let width = (dimension + OVERSAMPLING).min(length).min(count);
+        let mut directions = orthonormal(seeded(length, width));
+        let mut before = vec![0.0; dimension.min(width)];
+        let mut settled = None;
+        for _ in 0..MOST_ITERATIONS {
+            let (moved, products) = spread(rows, &mean, &directions);
+            let size = products.nrows();
+            let ritz =
+                products.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size })?;
+            let now: Vec<f64> =
+                (0..before.len()).map(|i| ritz.S().column_vector()[size - 1 - i] / degrees).collect();
+            let change = now.iter().zip(&before).map(|(n, b)| (n - b).abs()).fold(0.0, f64::max);
+            before = now;
+            if change <= SETTLED * before[0] {
+                // Rayleigh-Ritz: the eigenvectors within the subspace, largest first
+                let mut within = Mat::zeros(size, before.len());
+                for (i, mut column) in within.col_iter_mut().enumerate() {
+                    column.copy_from(ritz.U().col(size - 1 - i));
+                }
+                settled = Some(&directions * within);
+                break;
+            }
+            directions = orthonormal(moved);
+        }
+        let directions = settled.ok_or(EigenError::NotConverged { size: width })?;
+        let floor = (LEAST_RELATIVE_EIGENVALUE * before[0]).max(LEAST_RELATIVE_VARIANCE * mean_square);
+        let kept = before.iter().take_while(|&&variance| variance > floor).count();
+        if kept == 0 {
+            return Err(EigenError::NoVariance { vectors: count });
+        }
+        let basis = directions.col_iter().take(kept);
+        let basis = basis.flat_map(|column| oriented((0..length).map(|k| column[k]).collect())).collect();
+        before.truncate(kept);
+        let mean = mean.iter().map(|&v| v as f32).collect();
+        let eigenspace = Eigenspace { mean, basis, eigenvalues: before.clone(), total_variance };
+        eigenspace.check_basis()?;
+        Ok((eigenspace, before))
+    }
+
+    /// The leading `dimension` directions alone.
+    pub fn truncated(mut self, dimension: usize) -> Eigenspace {
+        self.basis.truncate(dimension * self.length());
+        self.eigenvalues.truncate(dimension);
+        self
+    }
+
+    /// The eigenpoint of one vector, and its distance from the space: what of it the basis can't express.
+    ///
+    /// # Panics
+    /// If the vector has another length.
+    pub fn locate(&self, vector: &[f32]) -> (Vec<f32>, f64) {
+        assert_eq!(vector.len(), self.length(), "a vector of the space's length");
+        let centred: Vec<f32> = vector.iter().zip(&self.mean).map(|(v, m)| v - m).collect();
+        let mut point = vec![0.0; self.dimension()];
+        Arch::new().dispatch(Locate { centred: &centred, basis: &self.basis, point: &mut point });
+        let squares = |values: &[f32]| values.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>();
+        let outside = squares(&centred) - squares(&point);
+        (point, outside.max(0.0).sqrt())
     }
 
     /// Whether the rows of the basis are orthonormal to f32 precision: to be asked of a basis from elsewhere.
@@ -171,6 +258,73 @@ impl WithSimd for Project<'_> {
     }
 }
 
+/// point = basis · centred, row by row, so that the basis is read as it lies.
+struct Locate<'a> {
+    centred: &'a [f32],
+    basis: &'a [f32],
+    point: &'a mut [f32],
+}
+
+impl WithSimd for Locate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let (chunks, rest) = self.centred.as_chunks::<32>();
+        for (coordinate, row) in self.point.iter_mut().zip(self.basis.chunks_exact(self.centred.len())) {
+            let (row_chunks, row_rest) = row.as_chunks::<32>();
+            let mut sums = [0.0_f32; 32];
+            for (a, b) in chunks.iter().zip(row_chunks) {
+                for lane in 0..32 {
+                    sums[lane] += a[lane] * b[lane];
+                }
+            }
+            let rest: f32 = rest.iter().zip(row_rest).map(|(a, b)| a * b).sum();
+            *coordinate = sums.iter().sum::<f32>() + rest;
+        }
+    }
+}
+
+/// The direction at length one, its component of largest magnitude positive.
+fn oriented(direction: Vec<f64>) -> impl Iterator<Item = f32> {
+    let norm = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let largest = direction.iter().fold(0.0, |l: f64, &v| if v.abs() > l.abs() { v } else { l });
+    let scale = if largest < 0.0 { -1.0 / norm } else { 1.0 / norm };
+    direction.into_iter().map(move |v| (v * scale) as f32)
+}
+
+/// XᵀX·Z and (XZ)ᵀ(XZ) of the mean-subtracted rows X, for `length` × k directions Z, chunk by chunk.
+fn spread(rows: &[f32], mean: &[f64], directions: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
+    let length = mean.len();
+    let width = directions.ncols();
+    let (mut moved, mut products) = (Mat::zeros(length, width), Mat::zeros(width, width));
+    for chunk in rows.chunks(CHUNK_ROWS * length) {
+        let centred = centred(chunk, mean);
+        let x = MatRef::from_row_major_slice(&centred, centred.len() / length, length);
+        let across = x * directions;
+        matmul(moved.as_mut(), Accum::Add, x.transpose(), &across, 1.0, Par::Seq);
+        matmul(products.as_mut(), Accum::Add, across.transpose(), &across, 1.0, Par::Seq);
+    }
+    (moved, products)
+}
+
+/// An orthonormal basis of the columns' span.
+fn orthonormal(columns: Mat<f64>) -> Mat<f64> {
+    columns.qr().compute_thin_Q()
+}
+
+/// `rows` × `columns` numbers in -1..1, always the same (SplitMix64).
+fn seeded(rows: usize, columns: usize) -> Mat<f64> {
+    let mut state = 0x005e_ed1e_57ab_1e00_u64;
+    Mat::from_fn(rows, columns, |_, _| {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    })
+}
+
 fn mean(rows: &[f32], length: usize) -> Vec<f64> {
     let mut mean = vec![0.0; length];
     for row in rows.chunks_exact(length) {
@@ -209,12 +363,15 @@ fn gram(rows: &[f32], mean: &[f64]) -> Mat<f64> {
     products
 }
 
-/// Σ weight(row) · (row − mean): from an eigenvector of the Gram matrix to one of the covariance.
-fn combined(rows: &[f32], mean: &[f64], weight: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut sum = vec![0.0; mean.len()];
-    for (i, row) in rows.chunks_exact(mean.len()).enumerate() {
-        let weight = weight(i);
-        sum.iter_mut().zip(row).zip(mean).for_each(|((s, &v), m)| *s += weight * (f64::from(v) - m));
+/// XᵀW of the mean-subtracted rows X: from eigenvectors of the Gram matrix to those of the covariance, chunk by chunk.
+fn combined(rows: &[f32], mean: &[f64], weights: &Mat<f64>) -> Mat<f64> {
+    let length = mean.len();
+    let mut sum = Mat::zeros(length, weights.ncols());
+    for (number, chunk) in rows.chunks(CHUNK_ROWS * length).enumerate() {
+        let centred = centred(chunk, mean);
+        let x = MatRef::from_row_major_slice(&centred, centred.len() / length, length);
+        let weights = weights.subrows(number * CHUNK_ROWS, x.nrows());
+        matmul(sum.as_mut(), Accum::Add, x.transpose(), weights, 1.0, Par::Seq);
     }
     sum
 }
@@ -296,6 +453,39 @@ mod tests {
             let variance = squares.sum::<f64>() / (count - 1.0);
             assert!((variance / expected - 1.0).abs() < 1e-4, "direction {i}: {variance}, {expected}");
         }
+    }
+
+    #[test]
+    fn the_leading_directions_are_those_of_the_whole_spectrum() {
+        let rows = cloud(400, 90);
+        let (exact, spectrum) = Eigenspace::fit(&rows, 90, 6).unwrap();
+        let (leading, settled) = Eigenspace::fit_leading(&rows, 90, 6).unwrap();
+        assert_eq!(leading.dimension(), 6);
+        assert!((exact.total_variance / leading.total_variance - 1.0).abs() < 1e-9);
+        for i in 0..6 {
+            assert!((spectrum[i] / settled[i] - 1.0).abs() < 1e-5, "{} {}", spectrum[i], settled[i]);
+            let apart = squared(&exact.basis[90 * i..][..90], &leading.basis[90 * i..][..90]).sqrt();
+            assert!(apart < 1e-2, "direction {i}: {apart}");
+        }
+        assert_eq!(Eigenspace::fit_leading(&rows, 90, 6).unwrap().0, leading, "the seed is fixed");
+        let line: Vec<f32> = (0..9).flat_map(|t| [t as f32, 0.0, -2.0 * t as f32]).collect();
+        assert_eq!(Eigenspace::fit_leading(&line, 3, 3).unwrap().0.dimension(), 1);
+        let same = [0.1, 0.7].repeat(30);
+        assert_eq!(Eigenspace::fit_leading(&same, 2, 2).unwrap_err(), EigenError::NoVariance { vectors: 30 });
+    }
+
+    #[test]
+    fn one_vector_is_located_as_many_are_projected() {
+        let rows = cloud(30, 77);
+        let (space, _) = Eigenspace::fit(&rows, 77, 5).unwrap();
+        let points = space.project(&rows);
+        for (row, expected) in rows.chunks_exact(77).zip(points.chunks_exact(5)) {
+            let (point, outside) = space.locate(row);
+            assert!(squared(&point, expected).sqrt() < 1e-5);
+            let whole = squared(row, &space.mean);
+            assert!((whole - squared(&point, &[0.0; 5]) - outside * outside).abs() < 1e-5);
+        }
+        assert_eq!(space.clone().truncated(2).locate(&rows[..77]).0, space.locate(&rows[..77]).0[..2]);
     }
 
     #[test]

@@ -4,10 +4,9 @@
 //! eigenpoint found, so that they agree to the bit where they find the same; of identical eigenpoints the
 //! lowest index is found.
 
-use std::cmp::Ordering;
-
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use pulp::{Arch, Simd, WithSimd};
+
+use super::tree::PointTree;
 
 /// A tree is asked for up to this many coordinates, and from this many different eigenpoints on.
 ///
@@ -41,7 +40,7 @@ pub struct EigenpointIndex {
     dimension: usize,
     /// The eigenpoints in tiles of [`LANES`], coordinate by coordinate within a tile.
     tiles: Vec<f32>,
-    tree: Option<Tree>,
+    tree: Option<PointTree>,
 }
 
 impl EigenpointIndex {
@@ -53,9 +52,9 @@ impl EigenpointIndex {
         let count = points.len() / dimension.max(1);
         let mut index = EigenpointIndex::exhaustive(points, dimension);
         if dimension <= TREE_TO_DIMENSION && count >= TREE_FROM_POINTS {
-            let different = index.different();
-            if different.len() >= TREE_FROM_POINTS {
-                index.tree = Tree::new(&index.points, dimension, &different);
+            index.tree = PointTree::new(&index.points, dimension);
+            if index.tree.as_ref().is_some_and(|tree| tree.different() < TREE_FROM_POINTS) {
+                index.tree = None;
             }
         }
         index
@@ -67,7 +66,7 @@ impl EigenpointIndex {
     /// As [`EigenpointIndex::new`].
     pub fn with_tree(points: Vec<f32>, dimension: usize) -> Self {
         let mut index = EigenpointIndex::exhaustive(points, dimension);
-        index.tree = Tree::new(&index.points, dimension, &index.different());
+        index.tree = PointTree::new(&index.points, dimension);
         index
     }
 
@@ -106,10 +105,7 @@ impl EigenpointIndex {
     pub fn nearest(&self, queries: &[f32]) -> Vec<Neighbour> {
         let Some(tree) = &self.tree else { return self.nearest_exhaustive(queries) };
         assert!(queries.len().is_multiple_of(self.dimension), "whole queries");
-        queries
-            .chunks_exact(self.dimension)
-            .map(|query| self.neighbour(query, tree.nearest(query) as usize))
-            .collect()
+        queries.chunks_exact(self.dimension).map(|query| self.neighbour(query, tree.nearest(query))).collect()
     }
 
     /// The same by looking at every eigenpoint: the judge of the tree.
@@ -139,24 +135,14 @@ impl EigenpointIndex {
     }
 
     fn neighbour(&self, query: &[f32], index: usize) -> Neighbour {
-        let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
-        let square: f64 = query.iter().zip(self.point(index)).map(difference).map(|d| d * d).sum();
-        Neighbour { index, distance: square.sqrt() as f32 } // A§4.5: D
+        Neighbour { index, distance: distance(query, self.point(index)) as f32 } // A§4.5: D
     }
+}
 
-    /// The lowest index of each set of identical eigenpoints, ascending: a tree can't split such a set.
-    fn different(&self) -> Vec<u32> {
-        let by_coordinates = |a: &u32, b: &u32| {
-            let pairs = self.point(*a as usize).iter().zip(self.point(*b as usize));
-            pairs.map(|(a, b)| a.partial_cmp(b).unwrap_or(Ordering::Equal)).find(|o| o.is_ne())
-        };
-        let count = u32::try_from(self.count()).expect("eigenpoints are counted in 32 bits");
-        let mut order: Vec<u32> = (0..count).collect();
-        order.sort_unstable_by(|a, b| by_coordinates(a, b).unwrap_or(a.cmp(b)));
-        order.dedup_by(|later, earlier| by_coordinates(later, earlier).is_none());
-        order.sort_unstable();
-        order
-    }
+/// Euclidean distance, in f64.
+pub(super) fn distance(a: &[f32], b: &[f32]) -> f64 {
+    let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
+    a.iter().zip(b).map(difference).map(|d| d * d).sum::<f64>().sqrt()
 }
 
 /// Tiles of [`LANES`] eigenpoints, padded with zeros in the coordinates and with infinities at the end.
@@ -224,46 +210,6 @@ fn squares(tile: &[f32], query: &[f32]) -> [f32; LANES] {
         }
     }
     squares
-}
-
-/// The library's tree has its dimension in its type: some sizes, and zeros up to the next.
-macro_rules! trees {
-    ($($size:ident = $dimension:literal),*) => {
-        enum Tree { $($size(Box<ImmutableKdTree<f32, $dimension>>, Vec<u32>)),* }
-
-        impl Tree {
-            /// A tree over the rows `different` of `points`; `None` above 64 coordinates, where a tree looks at
-            /// everything and more slowly than a loop.
-            fn new(points: &[f32], dimension: usize, different: &[u32]) -> Option<Tree> {
-                let rows = different.iter().map(|&row| &points[row as usize * dimension..][..dimension]);
-                $(if dimension <= $dimension {
-                    let padded: Vec<[f32; $dimension]> = rows.map(padded).collect();
-                    let tree = ImmutableKdTree::new_from_slice(&padded).ok()?;
-                    return Some(Tree::$size(Box::new(tree), different.to_vec()));
-                })*
-                None
-            }
-
-            /// The row of the nearest.
-            fn nearest(&self, query: &[f32]) -> u32 {
-                match self {
-                    $(Tree::$size(tree, rows) => {
-                        let query: [f32; $dimension] = padded(query);
-                        let found = tree.query(&query).nearest_one::<SquaredEuclidean<f32>>().execute();
-                        rows[found.item as usize]
-                    })*
-                }
-            }
-        }
-    };
-}
-trees!(Of8 = 8, Of12 = 12, Of16 = 16, Of24 = 24, Of32 = 32, Of48 = 48, Of64 = 64);
-
-/// The coordinates with zeros after them: no distance changes.
-fn padded<const D: usize>(point: &[f32]) -> [f32; D] {
-    let mut wide = [0.0; D];
-    wide[..point.len()].copy_from_slice(point);
-    wide
 }
 
 #[cfg(test)]
