@@ -62,7 +62,8 @@ pub struct Metrics {
 }
 
 /// The stages of a recognition, as `landmarkd_recognition_stage_seconds{stage}` names them.
-pub const STAGES: [&str; 6] = ["queue", "decode", "attention", "signature", "search", "vote"];
+pub const STAGES: [&str; 9] =
+    ["queue", "decode", "attention", "signature", "search", "vote", "appearance", "universal", "object"];
 
 impl Default for Metrics {
     fn default() -> Self {

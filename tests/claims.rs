@@ -16,3 +16,5 @@ mod places;
 mod random;
 #[path = "claims/trials.rs"]
 mod trials;
+#[path = "claims/turntable.rs"]
+mod turntable;

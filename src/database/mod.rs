@@ -21,9 +21,12 @@ use std::time::Duration;
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
-pub use options::Kind;
+pub use options::{Kind, Options};
 pub use registry::{LoadedVersion, Model, Registry};
-pub use report::{Report, ReportTimings};
+pub use report::{
+    ConfusionReport, DimensionRateReport, GapReport, HeldOutReport, LandmarkReport, ObjectsReport,
+    OneObjectReport, PoseErrorsReport, Report, ReportTimings,
+};
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
 
 pub use crate::store::{
@@ -32,7 +35,6 @@ pub use crate::store::{
 };
 
 use crate::compute::Compute;
-use crate::recognition::landmarks::LandmarkOptions;
 use crate::store::{Blobs, Catalogue};
 
 /// The alias that answers when a call names none.
@@ -88,9 +90,9 @@ impl Databases {
         &self,
         name: &Name,
         kind: Kind,
-        options: Option<&LandmarkOptions>,
+        options: Option<&Options>,
     ) -> Result<(DatabaseRow, bool), DatabaseError> {
-        let document = options::to_document(options.unwrap_or(&LandmarkOptions::default()));
+        let document = options.unwrap_or(&Options::default_of(kind)).to_document();
         let (row, created) = self.catalogue.create_database(name.as_str(), kind.as_str(), &document).await?;
         if row.kind != kind.as_str() {
             return Err(DatabaseError::KindConflict { database: name.to_string(), kind: row.kind });

@@ -12,15 +12,44 @@ use std::time::{Duration, Instant};
 use arc_swap::ArcSwap;
 
 use super::artifact;
+use super::options::Options;
 use super::{CURRENT, DatabaseError, Databases, Kind, Name};
 use crate::compute::{Compute, Lane};
 use crate::recognition::landmarks::Landmarks;
+use crate::recognition::objects::Objects;
 use crate::store::{AliasTarget, BlobError, Blobs, Catalogue};
 use crate::telemetry::chain;
 
 /// What a version recognises with.
 pub enum Model {
     Landmarks(Landmarks),
+    Objects(Objects),
+}
+
+impl Model {
+    /// The kind of its database.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Landmarks(_) => Kind::Landmarks,
+            Self::Objects(_) => Kind::Objects,
+        }
+    }
+
+    /// The options it was trained with.
+    pub fn options(&self) -> Options {
+        match self {
+            Self::Landmarks(landmarks) => Options::Landmarks(landmarks.options().clone()),
+            Self::Objects(objects) => Options::Objects(objects.options().clone()),
+        }
+    }
+
+    /// Memory that it holds.
+    pub fn bytes(&self) -> u64 {
+        match self {
+            Self::Landmarks(landmarks) => landmarks.bytes() as u64,
+            Self::Objects(objects) => objects.bytes() as u64,
+        }
+    }
 }
 
 /// A version in memory.
@@ -32,15 +61,6 @@ pub struct LoadedVersion {
     pub model: Model,
     /// Memory that the model holds.
     pub bytes: u64,
-}
-
-impl LoadedVersion {
-    /// The kind of its database.
-    pub fn kind(&self) -> Kind {
-        match self.model {
-            Model::Landmarks(_) => Kind::Landmarks,
-        }
-    }
 }
 
 /// An alias that doesn't serve what the catalogue says it should.
@@ -216,8 +236,7 @@ impl Registry {
         if found != digest {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
-        let Model::Landmarks(landmarks) = &model;
-        let bytes = landmarks.bytes() as u64;
+        let bytes = model.bytes();
         Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, bytes }))
     }
 

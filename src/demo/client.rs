@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use tokio::time::{Instant, sleep};
 
 use super::DemoError;
+use super::lessons::Exemplar;
 
 /// The longest that one call may take: a request's own limit at the service.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -20,7 +21,7 @@ pub struct Server {
     http: reqwest::Client,
 }
 
-/// What a frame was taken for.
+/// What a frame was taken for, by its votes.
 pub struct Answer {
     /// `None`: for nothing.
     pub label: Option<String>,
@@ -28,6 +29,22 @@ pub struct Answer {
     pub share: f64,
     /// What the service says the recognition took.
     pub recognise_ms: f64,
+}
+
+/// What a picture was taken for, as a whole.
+pub struct ObjectAnswer {
+    /// `None`: for nothing that is known.
+    pub label: Option<String>,
+    /// `None`: without an answer.
+    pub pose: Option<AnsweredPose>,
+}
+
+/// How the service says that an object is turned.
+#[derive(Clone, Copy)]
+pub struct AnsweredPose {
+    pub turn_deg: f64,
+    pub sigma_deg: f64,
+    pub reliable: bool,
 }
 
 impl Server {
@@ -54,16 +71,19 @@ impl Server {
         }
     }
 
-    /// Create a database of landmarks with default options.
-    pub async fn create(&self, database: &str) -> Result<(), DemoError> {
+    /// Create a database of a kind with default options.
+    pub async fn create(&self, database: &str, kind: &str) -> Result<(), DemoError> {
         let call = self.call(Method::PUT, &["databases", database], &[]);
-        self.send(call.json(&json!({"kind": "landmarks"}))).await.map(drop)
+        self.send(call.json(&json!({"kind": kind}))).await.map(drop)
     }
 
     /// Send one training image.
-    pub async fn learn(&self, database: &str, label: &str, png: &[u8]) -> Result<(), DemoError> {
-        let call = self.call(Method::POST, &["databases", database, "exemplars"], &[("label", label)]);
-        self.send(with_png(call, png)).await.map(drop)
+    pub async fn learn(&self, database: &str, exemplar: &Exemplar) -> Result<(), DemoError> {
+        let pose_deg = exemplar.pose_deg.map(|pose_deg| pose_deg.to_string());
+        let mut query = vec![("label", exemplar.label.as_str())];
+        query.extend(pose_deg.as_deref().map(|pose_deg| ("pose_deg", pose_deg)));
+        let call = self.call(Method::POST, &["databases", database, "exemplars"], &query);
+        self.send(with_png(call, &exemplar.png)).await.map(drop)
     }
 
     /// Train and wait for the end; returns the version.
@@ -88,12 +108,9 @@ impl Server {
         }
     }
 
-    /// What a version takes a frame for.
+    /// What a version of landmarks takes a frame for.
     pub async fn ask(&self, database: &str, version: u64, png: &[u8]) -> Result<Answer, DemoError> {
-        let version = version.to_string();
-        let path = ["databases", database, "recognitions"];
-        let call = self.call(Method::POST, &path, &[("version", &version), ("top", "1")]);
-        let answer = self.json(with_png(call, png)).await?;
+        let answer = self.recognise(database, version, png).await?;
         let best = &answer["votes"][0];
         Ok(Answer {
             label: best["label"].as_str().map(str::to_owned),
@@ -102,7 +119,30 @@ impl Server {
         })
     }
 
-    /// The frame with points and votes drawn on it, a PNG.
+    /// What a version of objects takes a picture for.
+    pub async fn ask_object(
+        &self,
+        database: &str,
+        version: u64,
+        png: &[u8],
+    ) -> Result<ObjectAnswer, DemoError> {
+        let answer = self.recognise(database, version, png).await?;
+        let pose = answer["pose"]["turn_deg"].as_f64().map(|turn_deg| AnsweredPose {
+            turn_deg,
+            sigma_deg: answer["pose"]["sigma_deg"].as_f64().unwrap_or_default(),
+            reliable: answer["pose"]["reliable"].as_bool().unwrap_or_default(),
+        });
+        Ok(ObjectAnswer { label: answer["decision"]["label"].as_str().map(str::to_owned), pose })
+    }
+
+    async fn recognise(&self, database: &str, version: u64, png: &[u8]) -> Result<Value, DemoError> {
+        let version = version.to_string();
+        let path = ["databases", database, "recognitions"];
+        let call = self.call(Method::POST, &path, &[("version", &version), ("top", "1")]);
+        self.json(with_png(call, png)).await
+    }
+
+    /// The frame with the evidence drawn on it, a PNG.
     pub async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "recognitions"], &[]);
         let answer = self.send(with_png(call, png).header("Accept", "image/png")).await?;

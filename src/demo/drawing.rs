@@ -88,7 +88,8 @@ pub enum Paint {
 }
 
 impl Paint {
-    fn at(self, x: f32, y: f32) -> Colour {
+    /// The colour at a point.
+    pub fn at(self, x: f32, y: f32) -> Colour {
         let cell = |size: f32| ((x / size).floor() as i32, (y / size).floor() as i32);
         match self {
             Paint::Plain(colour) => colour,

@@ -15,6 +15,8 @@ const SEARCH_PX: usize = 240;
 /// A picture that is learned.
 pub struct Exemplar {
     pub label: String,
+    /// How the thing is turned, if it stands on a turntable.
+    pub pose_deg: Option<f64>,
     pub png: Vec<u8>,
 }
 
@@ -55,7 +57,8 @@ pub fn room_lesson() -> Lesson {
             lesson.questions.push(Question { view: view.into(), shown: label.into(), png });
         };
         let seed = 8 * n as u32;
-        lesson.exemplars.push(Exemplar { label: label.into(), png: drawn(vec![(&scene, straight)], seed) });
+        let learned = drawn(vec![(&scene, straight)], seed);
+        lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: learned });
         ask("tilted, from elsewhere", drawn(vec![(&scene, elsewhere(0))], seed + 2));
         // the line goes through the centre: half of the view is behind it
         let covered = View { turn_deg: 180.0 * choice(8), ..View::of(0.0, 0.0) };
@@ -96,7 +99,7 @@ pub fn object_lesson() -> Lesson {
         };
         let seed = 100 + 8 * n as u32;
         let learned = drawn(OBJECT_PX, vec![(&table, ground), (&scene, ground)], seed);
-        lesson.exemplars.push(Exemplar { label: label.into(), png: learned });
+        lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: learned });
         ask("turned", drawn(SEARCH_PX, vec![(&table, ground), (&scene, turned(0))], seed + 2));
         // the line passes at a third of a typical radius of 60 px, which leaves about a third behind it
         let aside = View { x: -18.0, y: 0.0, turn_deg: 0.0, scale: 1.0 };

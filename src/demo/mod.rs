@@ -2,7 +2,8 @@
 //! contract of a running service, as a robot would.
 //!
 //! Without a folder of its own pictures the demo draws rooms and objects itself (`drawing`, `rooms`, `objects`,
-//! `lessons`). Databases called `demo-…` are the demo's: each run makes them anew.
+//! `lessons`), and things on a turntable (`turntable`, `turning`). Databases called `demo-…` are the demo's: each run
+//! makes them anew.
 
 mod client;
 mod drawing;
@@ -10,6 +11,8 @@ mod lessons;
 mod objects;
 mod own_pictures;
 mod rooms;
+mod turning;
+mod turntable;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,8 +24,10 @@ use thiserror::Error;
 
 use crate::evaluate::{EvaluateError, Rate};
 use client::Server;
-use lessons::{Lesson, Question, object_lesson, room_lesson};
+use lessons::{Exemplar, Lesson, Question, object_lesson, room_lesson};
 use own_pictures::own_lesson;
+
+pub use turning::TurningSummary;
 
 /// Arguments of `landmarkd demo`.
 #[derive(Args, Clone, Debug)]
@@ -61,15 +66,17 @@ pub enum DemoError {
 /// How the demo went.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DemoSummary {
-    /// All questions.
+    /// All questions; a thing that was never learned is answered right by being refused.
     pub right: Rate,
     /// By database and kind of view.
     pub by_view: Vec<(String, Rate)>,
+    /// The things on the turntable; `None` with pictures of the user's own.
+    pub turning: Option<TurningSummary>,
     /// Where the pictures are.
     pub pictures_dir: PathBuf,
 }
 
-/// Learn, ask, print; the pictures and two annotated answers go to `pictures_dir`.
+/// Learn, ask, print; the pictures and an annotated answer of each database go to `pictures_dir`.
 ///
 /// # Errors
 /// [`DemoError`] when the service doesn't answer or refuses, or a picture can't be written. Wrong answers are no
@@ -97,7 +104,7 @@ pub async fn run(
     for lesson in &lessons {
         let folder = pictures_dir.join(lesson.database);
         let files = keep(&folder, lesson)?;
-        let version = teach(&server, lesson, out).await?;
+        let version = teach(&server, lesson.database, "landmarks", &lesson.exemplars, out).await?;
         let rates = examine(&server, lesson, version, out).await?;
         by_view.extend(rates.into_iter().map(|(view, rate)| (format!("{}: {view}", lesson.database), rate)));
         if let (Some(question), Some(file)) = (lesson.questions.last(), files.last()) {
@@ -105,6 +112,14 @@ pub async fn run(
             write_file(&folder.join("annotated.png"), &annotated)?;
             shown = Some((lesson.database, file.clone()));
         }
+    }
+    let turning = match args.images {
+        Some(_) => None,
+        None => Some(turn(&server, &pictures_dir.join(turning::DATABASE), out).await?),
+    };
+    if let Some(summary) = &turning {
+        let rates = [("turned", summary.named_right), ("never learned", summary.strange_refused)];
+        by_view.extend(rates.map(|(view, rate)| (format!("{}: {view}", turning::DATABASE), rate)));
     }
 
     let right = by_view
@@ -114,48 +129,78 @@ pub async fn run(
     for (view, rate) in &by_view {
         writeln!(out, "  {view:<44}{rate}")?;
     }
-    writeln!(out, "\npictures: {} (annotated.png: the points and their votes)", pictures_dir.display())?;
+    writeln!(out, "\npictures: {} (annotated.png: an answer and its evidence)", pictures_dir.display())?;
     if let (false, Some((database, file))) = (args.exit, shown) {
         directions(base_url, database, &file, out)?;
     }
-    Ok(DemoSummary { right, by_view, pictures_dir: pictures_dir.to_path_buf() })
+    Ok(DemoSummary { right, by_view, turning, pictures_dir: pictures_dir.to_path_buf() })
 }
 
-/// Keep the pictures of a lesson: `learned/<label>.png` and `asked/<n>-<label>.png`. Returns the latter.
+/// Things on the turntable: learn, ask, print, and keep all pictures so that `evaluate` can take them too.
+async fn turn(server: &Server, folder: &Path, out: &mut dyn Write) -> Result<TurningSummary, DemoError> {
+    let (views, questions) = (turning::views(), turning::questions());
+    let named = |label: &str, turn_deg: f64| format!("{label}/turned__{turn_deg}.png");
+    let learned = views.iter().map(|view| (named(&view.label, view.pose_deg.unwrap_or_default()), &view.png));
+    let asked = questions.iter().map(|question| (named(question.shown, question.turn_deg), &question.png));
+    keep_in(&folder.join("learned"), learned)?;
+    keep_in(&folder.join("asked"), asked)?;
+    let version = teach(server, turning::DATABASE, "objects", &views, out).await?;
+    let summary = turning::examine(server, version, &questions, out).await?;
+    if let Some(question) = turning::example(&questions).map(|n| &questions[n]) {
+        let annotated = server.annotated(turning::DATABASE, &question.png).await?;
+        write_file(&folder.join("annotated.png"), &annotated)?;
+    }
+    Ok(summary)
+}
+
+/// Keep the pictures of a lesson: `learned/<n>-<label>.png` and `asked/<n>-<label>.png`. Returns the latter.
 fn keep(folder: &Path, lesson: &Lesson) -> Result<Vec<PathBuf>, DemoError> {
-    let (learned, asked) = (folder.join("learned"), folder.join("asked"));
-    for folder in [&learned, &asked] {
-        // of a run before
-        match fs::remove_dir_all(folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            removed => removed,
-        }
-        .and_then(|()| fs::create_dir_all(folder))
-        .map_err(|source| DemoError::Write { path: folder.clone(), source })?;
+    let named = |n: usize, label: &str| format!("{n:03}-{label}.png");
+    let learned = lesson.exemplars.iter().enumerate().map(|(n, e)| (named(n, &e.label), &e.png));
+    let asked = lesson.questions.iter().enumerate().map(|(n, q)| (named(n, &q.shown), &q.png));
+    keep_in(&folder.join("learned"), learned)?;
+    keep_in(&folder.join("asked"), asked)
+}
+
+/// Write pictures by their names below a folder, in the place of those of a run before. Returns their files.
+fn keep_in<'a>(
+    folder: &Path,
+    pictures: impl Iterator<Item = (String, &'a Vec<u8>)>,
+) -> Result<Vec<PathBuf>, DemoError> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        removed => removed,
     }
-    for (n, exemplar) in lesson.exemplars.iter().enumerate() {
-        write_file(&learned.join(format!("{n:03}-{}.png", exemplar.label)), &exemplar.png)?;
-    }
+    .map_err(|source| DemoError::Write { path: folder.to_path_buf(), source })?;
     let mut files = Vec::new();
-    for (n, question) in lesson.questions.iter().enumerate() {
-        let file = asked.join(format!("{n:03}-{}.png", question.shown));
-        write_file(&file, &question.png)?;
+    for (name, png) in pictures {
+        let file = folder.join(name);
+        write_file(&file, png)?;
         files.push(file);
     }
     Ok(files)
 }
 
+/// Write a file, and the folders that it lies in.
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DemoError> {
-    fs::write(path, bytes).map_err(|source| DemoError::Write { path: path.to_path_buf(), source })
+    path.parent()
+        .map_or(Ok(()), fs::create_dir_all)
+        .and_then(|()| fs::write(path, bytes))
+        .map_err(|source| DemoError::Write { path: path.to_path_buf(), source })
 }
 
 /// Create the database, send its pictures, train; returns the version.
-async fn teach(server: &Server, lesson: &Lesson, out: &mut dyn Write) -> Result<u64, DemoError> {
-    let Lesson { database, exemplars, .. } = lesson;
+async fn teach(
+    server: &Server,
+    database: &str,
+    kind: &str,
+    exemplars: &[Exemplar],
+    out: &mut dyn Write,
+) -> Result<u64, DemoError> {
     server.forget(database).await?;
-    server.create(database).await?;
+    server.create(database, kind).await?;
     for exemplar in exemplars {
-        server.learn(database, &exemplar.label, &exemplar.png).await?;
+        server.learn(database, exemplar).await?;
     }
     let started = std::time::Instant::now();
     let version = server.train(database).await?;
@@ -246,10 +291,20 @@ mod tests {
     fn the_drawn_demo_is_nearly_always_right_and_keeps_its_pictures() {
         let folder = tempfile::tempdir().unwrap();
         let (summary, printed) = shown(&DemoArgs { images: None, exit: false }, folder.path());
-        assert_eq!(summary.right.trials, 40);
-        assert!(summary.right.hits >= 36, "{printed}");
+        assert_eq!(summary.right.trials, 100);
+        assert!(summary.right.hits >= 94, "{printed}");
+        let turning = summary.turning.unwrap();
+        assert_eq!((turning.named_right.trials, turning.strange_refused.trials), (48, 12));
+        assert!(turning.named_right.hits >= 46, "{printed}");
+        assert!(turning.reliable.hits >= 24, "of 36: {printed}");
+        let errors = turning.reliable_errors.unwrap();
+        assert!(errors.median_deg <= 2.0 && errors.worst_deg <= 10.0, "{printed}");
+        assert!(turning.without_pose.trials >= 11, "{printed}");
+        assert_eq!(turning.without_pose.hits, turning.without_pose.trials, "{printed}");
+        assert!(turning.strange_refused.hits >= 11, "{printed}");
+        assert!(printed.contains("the truck turned by"), "{printed}");
         assert!(printed.contains("/docs") && printed.contains("curl --data-binary"), "{printed}");
-        for database in ["demo-rooms", "demo-objects"] {
+        for database in ["demo-rooms", "demo-objects", "demo-turntable"] {
             let annotated = fs::read(summary.pictures_dir.join(database).join("annotated.png")).unwrap();
             assert!(annotated.starts_with(b"\x89PNG"), "{database}");
         }
@@ -268,6 +323,7 @@ mod tests {
         let (summary, printed) = shown(&args, folder.path());
         assert_eq!(summary.right.trials, 12);
         assert!(summary.right.hits >= 10, "{printed}");
+        assert_eq!(summary.turning, None);
         assert!(!printed.contains("curl"), "nothing is left to be called: {printed}");
         fs::remove_dir_all(own.join("mug")).unwrap();
         assert_eq!(shown(&args, folder.path()).0.right.trials, 8);

@@ -44,7 +44,7 @@ fn name_and_frame(label: &str, path: &Path) -> Result<Frame, String> {
 }
 
 fn add(lesson: &mut Lesson, n: i32, label: &str, frame: &Frame) {
-    lesson.exemplars.push(Exemplar { label: label.into(), png: png(frame) });
+    lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: png(frame) });
     let mut ask = |view: &str, frame: &Frame| {
         lesson.questions.push(Question { view: view.into(), shown: label.into(), png: png(frame) });
     };

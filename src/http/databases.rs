@@ -11,11 +11,10 @@ use utoipa::{IntoParams, ToSchema};
 use super::Service;
 use super::aliases::AliasBody;
 use super::extract::{Json as JsonIn, Path, Query};
-use super::options::{self, LandmarkOptionsBody};
+use super::options::{self, OptionsBody};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, Problem};
-use crate::database::{CURRENT, DatabaseError, DatabaseRow, Kind, Name, options as kept};
-use crate::recognition::landmarks::LandmarkOptions;
+use crate::database::{CURRENT, DatabaseRow, Kind, Name, Options};
 
 /// The database that a call is about.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
@@ -32,7 +31,7 @@ pub struct DatabasePath {
 pub enum KindWord {
     /// Local appearance: places and objects on any background.
     Landmarks,
-    /// Whole appearance: not in this release.
+    /// Whole appearance: which object, and how it is turned.
     Objects,
 }
 
@@ -40,6 +39,16 @@ impl From<Kind> for KindWord {
     fn from(kind: Kind) -> Self {
         match kind {
             Kind::Landmarks => Self::Landmarks,
+            Kind::Objects => Self::Objects,
+        }
+    }
+}
+
+impl From<KindWord> for Kind {
+    fn from(word: KindWord) -> Self {
+        match word {
+            KindWord::Landmarks => Self::Landmarks,
+            KindWord::Objects => Self::Objects,
         }
     }
 }
@@ -50,7 +59,7 @@ impl From<Kind> for KindWord {
 pub struct NewDatabase {
     pub kind: KindWord,
     /// What is absent has its default. For a database that is there: replaces its options from the next training on.
-    #[schema(value_type = Option<LandmarkOptionsBody>)]
+    #[schema(value_type = Option<OptionsBody>)]
     pub options: Option<Map<String, Value>>,
 }
 
@@ -60,7 +69,7 @@ pub struct DatabaseBody {
     pub name: String,
     pub kind: KindWord,
     /// Options of the next training.
-    pub options: LandmarkOptionsBody,
+    pub options: OptionsBody,
     pub created_at: Timestamp,
 }
 
@@ -104,8 +113,8 @@ fn read_kind(row: &DatabaseRow) -> Result<Kind, Problem> {
 }
 
 /// The options kept with a database.
-pub fn read_options(row: &DatabaseRow) -> Result<LandmarkOptions, Problem> {
-    kept::from_document(&row.options).map_err(|error| {
+pub fn read_options(row: &DatabaseRow) -> Result<Options, Problem> {
+    Options::from_document(read_kind(row)?, &row.options).map_err(|error| {
         tracing::error!(database = row.name, error = crate::telemetry::chain(&error), "unreadable options");
         Problem::new(Code::Internal, format!("the options kept with database {} can't be read", row.name))
     })
@@ -125,19 +134,8 @@ pub async fn put(
     Path(path): Path<DatabasePath>,
     JsonIn(new): JsonIn<NewDatabase>,
 ) -> Result<(StatusCode, Json<DatabaseBody>), Problem> {
-    let kind = match new.kind {
-        KindWord::Landmarks => Kind::Landmarks,
-        KindWord::Objects => {
-            if let Ok(row) = service.databases.get(&path.database).await {
-                return Err(DatabaseError::KindConflict { database: row.name, kind: row.kind }.into());
-            }
-            return Err(Problem::new(
-                Code::NotYet,
-                "kind objects is not in this release: use kind landmarks",
-            ));
-        }
-    };
-    let options = new.options.map(|body| options::over(LandmarkOptions::default(), &body)).transpose()?;
+    let kind = new.kind.into();
+    let options = new.options.map(|body| options::over(Options::default_of(kind), &body)).transpose()?;
     let (row, created) = service.databases.create(&path.database, kind, options.as_ref()).await?;
     let status = if created { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(row.try_into()?)))

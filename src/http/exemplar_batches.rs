@@ -16,6 +16,7 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::databases::DatabasePath;
+use super::exemplars::pose;
 use super::extract::{MAX_JSON_BYTES, Path, essence, from_json};
 use super::problem::{Code, Problem, ProblemBody};
 use super::uploads::{Form, Picture, RobotHeader, too_many_parts};
@@ -32,6 +33,7 @@ pub struct ManifestLine {
     #[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
     pub label: String,
     /// Turntable pose, in degrees.
+    #[schema(minimum = 0, exclusive_maximum = 360)]
     pub pose_deg: Option<f64>,
 }
 
@@ -140,6 +142,7 @@ impl Batch<'_> {
     ) -> Result<(Uuid, bool), Problem> {
         let label =
             Name::parse(label).map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
+        let pose_deg = pose(pose_deg, "/pose_deg")?;
         let picture = Picture::of(bytes, &self.service.decode)?;
         let kept = self.service.keep_exemplar(self.database, label, pose_deg, &picture, self.header.clone());
         let (row, created) = kept.await?;

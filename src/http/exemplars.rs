@@ -38,7 +38,8 @@ pub struct LabelQuery {
     /// The place or object.
     #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
     pub label: Name,
-    /// Turntable pose, in degrees; kept in [0, 360).
+    /// Turntable pose, in degrees.
+    #[param(minimum = 0, exclusive_maximum = 360)]
     pub pose_deg: Option<f64>,
 }
 
@@ -103,19 +104,20 @@ impl From<ExemplarRow> for ExemplarBody {
     }
 }
 
-/// A pose in [0, 360).
-pub fn pose(given: Option<f64>) -> Result<Option<f64>, Problem> {
+/// A pose, if it is one: in [0, 360). `at` points to it.
+pub fn pose(given: Option<f64>, at: &str) -> Result<Option<f64>, Problem> {
     match given {
-        Some(pose) if !pose.is_finite() || pose.abs() > 1e6 => {
-            Err(Problem::field("#pose_deg", format!("{pose} is no angle in degrees")))
+        Some(pose) if !(0.0..360.0).contains(&pose) => {
+            let text = format!("{pose} is not in [0, 360): a full turn is 0, and 5° backwards is 355");
+            Err(Problem::field(at, text))
         }
-        // A tiny negative angle comes out as 360 itself, and a negative whole turn as -0.
-        given => Ok(given.map(|pose| pose.rem_euclid(360.0) % 360.0 + 0.0)),
+        // -0 is 0.
+        given => Ok(given.map(|pose| pose + 0.0)),
     }
 }
 
 impl Service {
-    /// Decode a picture once, so that only pictures are kept, and keep it.
+    /// Decode a picture once, so that only pictures are kept, and keep it. The pose is in [0, 360).
     pub async fn keep_exemplar(
         &self,
         database: &Name,
@@ -124,7 +126,6 @@ impl Service {
         picture: &Picture,
         header: FrameHeader,
     ) -> Result<(ExemplarRow, bool), Problem> {
-        let pose_deg = pose(pose_deg)?;
         let (bytes, limits, media_type) = (picture.bytes.clone(), self.decode, picture.format.media_type());
         let check = move || {
             let frame = imaging::decode(&bytes, &limits)?;
@@ -161,8 +162,8 @@ pub async fn post(
     OnePicture(picture): OnePicture,
 ) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
     service.databases.get(&path.database).await?;
-    pose(query.pose_deg)?;
-    let kept = service.keep_exemplar(&path.database, query.label, query.pose_deg, &picture, header);
+    let pose_deg = pose(query.pose_deg, "#pose_deg")?;
+    let kept = service.keep_exemplar(&path.database, query.label, pose_deg, &picture, header);
     let (row, created) = kept.await?;
     Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.into())))
 }

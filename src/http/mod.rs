@@ -7,6 +7,7 @@ pub mod accept;
 mod aliases;
 pub mod body;
 mod databases;
+mod eigenimages;
 mod exemplar_batches;
 mod exemplars;
 mod extract;
@@ -17,6 +18,7 @@ mod options;
 mod pages;
 pub mod problem;
 mod recognitions;
+mod reports;
 mod rim;
 mod trainings;
 mod uploads;
@@ -79,6 +81,7 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(versions::list, versions::import))
         .routes(routes!(versions::get, versions::delete))
         .routes(routes!(versions::artifact))
+        .routes(routes!(eigenimages::get))
         .routes(routes!(aliases::list))
         .routes(routes!(aliases::put, aliases::get, aliases::delete))
         .routes(routes!(recognitions::post))

@@ -12,7 +12,7 @@ use super::routes;
     info(
         title = "landmarkd",
         description = "Robots ask where they are and what they see: places and objects by local appearance, \
-                       with the evidence behind each answer. Coordinates are pixels, x right, y down, origin at the \
+                       objects and how they are turned by their whole appearance, with the evidence behind each answer. Coordinates are pixels, x right, y down, origin at the \
                        centre of the top-left pixel. Errors are RFC 9457 problem documents.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),

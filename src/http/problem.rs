@@ -11,6 +11,7 @@ use crate::database::DatabaseError;
 use crate::database::artifact::ArtifactError;
 use crate::imaging::DecodeError;
 use crate::jobs::JobError;
+use crate::recognition::objects::SizeMismatch;
 use crate::store::{BlobError, CatalogueError};
 use crate::telemetry::chain;
 
@@ -46,6 +47,7 @@ codes! {
     UnknownExemplar "unknown_exemplar" NOT_FOUND "There is no such exemplar",
     UnknownVersion "unknown_version" NOT_FOUND "There is no such version",
     UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias",
+    UnknownEigenimage "unknown_eigenimage" NOT_FOUND "There is no such eigenimage",
     UnknownJob "unknown_job" NOT_FOUND "There is no such job",
     MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
     NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
@@ -64,6 +66,10 @@ codes! {
     ImageTooLarge "image_too_large" UNPROCESSABLE_ENTITY "The picture has too many pixels",
     NoExemplars "no_exemplars" UNPROCESSABLE_ENTITY "There is nothing to train from",
     TooFewPoints "too_few_points" UNPROCESSABLE_ENTITY "The exemplars have too few interest points",
+    TooFewExemplars "too_few_exemplars" UNPROCESSABLE_ENTITY "There are too few exemplars",
+    TrainingTooLarge "training_too_large" UNPROCESSABLE_ENTITY "The exemplars are more than a training can hold",
+    AllEqual "all_equal" UNPROCESSABLE_ENTITY "All exemplars are the same picture",
+    ImageSizeMismatch "image_size_mismatch" UNPROCESSABLE_ENTITY "The picture is not of the size it must have",
     UnreadableExemplar "unreadable_exemplar" UNPROCESSABLE_ENTITY "An exemplar can't be read",
     InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
     NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
@@ -221,6 +227,13 @@ impl From<DecodeError> for Problem {
     }
 }
 
+impl From<SizeMismatch> for Problem {
+    fn from(error: SizeMismatch) -> Self {
+        let text = format!("{error}: send it in that size, or train the database with resize fit");
+        Self::new(Code::ImageSizeMismatch, text)
+    }
+}
+
 impl From<ComputeError> for Problem {
     fn from(error: ComputeError) -> Self {
         match error {
@@ -308,6 +321,9 @@ impl From<JobError> for Problem {
             JobError::Ended { .. } => Self::new(Code::JobEnded, error.to_string()),
             JobError::NoExemplars { .. } => {
                 Self::new(Code::NoExemplars, format!("{error}: post some, then train"))
+            }
+            JobError::Unfit { source, .. } => {
+                Self::new(Code::of_word(source.code()).unwrap_or(Code::Internal), source.to_string())
             }
             JobError::Database(source) => source.into(),
         }

@@ -12,7 +12,7 @@ use super::Service;
 use super::databases::{DatabasePath, read_options};
 use super::extract::{Json as JsonIn, Path};
 use super::jobs::JobBody;
-use super::options::{self, LandmarkOptionsBody};
+use super::options::{self, OptionsBody};
 use super::problem::{Code, Problem};
 use crate::jobs::{Promote, TrainingParams};
 
@@ -32,7 +32,7 @@ pub enum PromoteWord {
 #[serde(deny_unknown_fields)]
 pub struct NewTraining {
     /// Put over the database's options for this training alone.
-    #[schema(value_type = Option<LandmarkOptionsBody>)]
+    #[schema(value_type = Option<OptionsBody>)]
     pub options: Option<Map<String, Value>>,
     /// Whether `current` moves to the new version.
     #[serde(default)]

@@ -10,12 +10,13 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::databases::DatabasePath;
 use super::extract::{Path, Query};
-use super::options::LandmarkOptionsBody;
+use super::options::OptionsBody;
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, Problem};
+use super::reports::ReportBody;
 use super::rim::LONG_CALL;
 use super::{Service, body};
-use crate::database::{Name, Report, VersionRow, options as kept};
+use crate::database::{Kind, Name, Options, Report, VersionRow};
 
 /// The version that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -40,8 +41,9 @@ pub struct VersionBody {
     pub revision: i64,
     /// Size of the artifact file.
     pub artifact_bytes: u64,
-    /// What it was trained with; the colour as it came out.
-    pub options: LandmarkOptionsBody,
+    /// What it was trained with. The colour of landmarks as it came out; the dimension and size of objects stand in the
+    /// report.
+    pub options: OptionsBody,
     pub counts: CountsBody,
     pub report: ReportBody,
 }
@@ -51,53 +53,8 @@ pub struct VersionBody {
 pub struct CountsBody {
     pub exemplars: u64,
     pub labels: u64,
+    /// 0 for objects.
     pub interest_points: u64,
-}
-
-impl From<Report> for ReportBody {
-    fn from(report: Report) -> Self {
-        Self {
-            spectrum: report.spectrum,
-            energy_kept: report.energy_kept,
-            dimension: report.dimension,
-            signature_length: report.signature_length,
-            colour: report.colour,
-            exemplars_without_points: report.exemplars_without_points,
-            timings_ms: report.timings_ms.map(|timings| TrainingTimings {
-                describe: timings.describe,
-                eigenspace: timings.eigenspace,
-            }),
-        }
-    }
-}
-
-/// What a training told of itself.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct ReportBody {
-    /// Variance along each direction of the signatures' space, descending, all of them.
-    pub spectrum: Vec<f64>,
-    /// Part of the variance that the kept dimensions hold.
-    pub energy_kept: f64,
-    /// Dimensions kept.
-    pub dimension: u64,
-    /// Components of a signature.
-    pub signature_length: u64,
-    /// The planes that signatures were taken from.
-    #[schema(example = "opponent")]
-    pub colour: String,
-    /// Exemplars in which nothing drew attention: they can't be recognised.
-    pub exemplars_without_points: Vec<String>,
-    /// Where it was trained here: how long that took.
-    pub timings_ms: Option<TrainingTimings>,
-}
-
-/// How long the parts of a training took.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct TrainingTimings {
-    /// Reading and describing the exemplars.
-    pub describe: f64,
-    /// Eigenspace, index and artifact.
-    pub eigenspace: f64,
 }
 
 impl TryFrom<VersionRow> for VersionBody {
@@ -116,7 +73,12 @@ impl TryFrom<VersionRow> for VersionBody {
                 format!("the {what} kept with version {} can't be read", row.version),
             )
         };
-        let options = kept::from_document(&row.options).map_err(|error| unreadable("options", &error))?;
+        let kind = Kind::parse(&row.kind).ok_or_else(|| {
+            let text = format!("version {} is of kind {}: this release can't read it", row.version, row.kind);
+            Problem::new(Code::NotYet, text)
+        })?;
+        let options =
+            Options::from_document(kind, &row.options).map_err(|error| unreadable("options", &error))?;
         Ok(Self {
             version: row.version,
             created_at: row.created_at,
@@ -124,7 +86,7 @@ impl TryFrom<VersionRow> for VersionBody {
             artifact_bytes: row.bytes,
             options: (&options).into(),
             counts: serde_json::from_str(&row.counts).map_err(|error| unreadable("counts", &error))?,
-            report: serde_json::from_str::<Report>(&row.report)
+            report: Report::from_document(kind, &row.report)
                 .map_err(|error| unreadable("report", &error))?
                 .into(),
             digest: row.digest,
@@ -198,16 +160,10 @@ pub async fn artifact(
 ) -> Result<Response, Problem> {
     service.databases.get(&path.database).await?;
     let row = service.databases.version(&path.database, path.version).await?;
-    let etag = format!("\"{}\"", row.blob);
-    let have = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
-    let have = have.is_some_and(|list| {
-        list.split(',').map(str::trim).any(|have| have == "*" || have.trim_start_matches("W/") == etag)
-    });
-    let etag =
-        HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
-    if have {
-        return Ok((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response());
-    }
+    let etag = match unless_known(&headers, &row.blob)? {
+        Freshness::Known(response) => return Ok(response),
+        Freshness::New(etag) => etag,
+    };
     let bytes = service.databases.artifact(&row).await?;
     let name = format!("attachment; filename=\"{}-{}.safetensors\"", row.database, row.version);
     let name = HeaderValue::from_str(&name).unwrap_or(HeaderValue::from_static("attachment"));
@@ -220,6 +176,29 @@ pub async fn artifact(
         (header::CACHE_CONTROL, cache),
     ];
     Ok((headers, bytes).into_response())
+}
+
+/// Whether the caller has what it asks for.
+pub enum Freshness {
+    /// It has: 304.
+    Known(Response),
+    /// It hasn't: the ETag of what it gets.
+    New(HeaderValue),
+}
+
+/// Hold `If-None-Match` against the ETag of that name.
+pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Problem> {
+    let etag = format!("\"{name}\"");
+    let have = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
+    let have = have.is_some_and(|list| {
+        list.split(',').map(str::trim).any(|have| have == "*" || have.trim_start_matches("W/") == etag)
+    });
+    let etag =
+        HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
+    Ok(match have {
+        true => Freshness::Known((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response()),
+        false => Freshness::New(etag),
+    })
 }
 
 /// Take in an artifact file: checked whole, then a new version. The same digest again is the same version.

@@ -43,6 +43,11 @@ impl Image {
         &self.pixels
     }
 
+    /// All pixels as bytes, row-major, rounded and held within 0..=255.
+    pub fn to_gray8(&self) -> Vec<u8> {
+        self.pixels.iter().map(|v| v.round().clamp(0.0, 255.0) as u8).collect()
+    }
+
     /// All pixels, row-major, to be written.
     pub fn pixels_mut(&mut self) -> &mut [f32] {
         &mut self.pixels
@@ -70,6 +75,12 @@ mod tests {
         assert_eq!(image.pixels(), [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
         assert_eq!(image.row(1), [10.0, 11.0, 12.0]);
         assert_eq!(image.at(2, 1), 12.0);
+    }
+
+    #[test]
+    fn bytes_are_rounded_and_held_in_their_range() {
+        let image = Image::new(5, 1, vec![-3.0, 0.4, 127.5, 300.0, f32::NAN]);
+        assert_eq!(image.to_gray8(), [0, 0, 128, 255, 0]);
     }
 
     #[test]

@@ -10,8 +10,10 @@ pub mod encode;
 pub mod frame;
 pub mod image;
 pub mod overlay;
+pub mod resize;
 
 pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, read_header};
 pub use frame::Frame;
 pub use image::Image;
 pub use overlay::Overlay;
+pub use resize::fitted;

@@ -12,10 +12,10 @@ use std::time::Duration;
 use tokio::sync::{Notify, RwLock};
 use uuid::Uuid;
 
-use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name};
+use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name, Options};
 use crate::store::Catalogue;
 pub use runner::{Runner, WORKER_LEASE};
-pub use training::{Promote, TrainingParams};
+pub use training::{Promote, TrainingParams, UnfitExemplars};
 
 /// Why a call on a job failed.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +26,12 @@ pub enum JobError {
     Ended { id: Uuid, state: &'static str },
     #[error("database {database} has no exemplars")]
     NoExemplars { database: String },
+    #[error("the exemplars of database {database} can't be trained with these options")]
+    Unfit {
+        database: String,
+        #[source]
+        source: UnfitExemplars,
+    },
     #[error(transparent)]
     Database(#[from] DatabaseError),
 }
@@ -55,7 +61,7 @@ impl Jobs {
     /// Queue a training of the database.
     ///
     /// # Errors
-    /// [`JobError::NoExemplars`], or an unknown database.
+    /// [`JobError::NoExemplars`], [`JobError::Unfit`], or an unknown database.
     pub async fn train(&self, database: &Name, params: &TrainingParams) -> Result<JobRow, JobError> {
         let unknown = || DatabaseError::UnknownDatabase { database: database.to_string() };
         let known = self.catalogue.database(database.as_str()).await.map_err(DatabaseError::from)?;
@@ -63,6 +69,12 @@ impl Jobs {
         let counts = self.catalogue.database_counts(database.as_str()).await.map_err(DatabaseError::from)?;
         if counts.exemplars == 0 {
             return Err(JobError::NoExemplars { database: database.to_string() });
+        }
+        if let Options::Objects(options) = &params.options {
+            let exemplars =
+                self.catalogue.training_set(database.as_str()).await.map_err(DatabaseError::from)?;
+            UnfitExemplars::among(&exemplars, options)
+                .map_or(Ok(()), |source| Err(JobError::Unfit { database: database.to_string(), source }))?;
         }
         let queued =
             self.catalogue.enqueue_job(training::KIND, database.as_str(), &params.to_document()).await;

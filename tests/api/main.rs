@@ -10,6 +10,7 @@ mod freeform;
 mod jobs;
 mod limits;
 mod main_job;
+mod objects;
 mod problems;
 mod restarts;
 mod service;

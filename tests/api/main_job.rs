@@ -182,6 +182,7 @@ async fn one_bad_picture_in_a_form_with_a_manifest_never_loses_the_rest() {
     let app = App::start().await;
     app.create("home").await;
     let manifest = json!([
+        {"file": "a", "label": "cup", "pose_deg": 270},
         {"file": "a", "label": "cup", "pose_deg": -90},
         {"file": "b", "label": "cup"},
         {"file": "c", "label": "no/label"},
@@ -205,6 +206,7 @@ async fn one_bad_picture_in_a_form_with_a_manifest_never_loses_the_rest() {
         let kept = if manifest_last { "duplicate" } else { "created" };
         let expected = [
             ("a", kept),
+            ("a", "rejected"),
             ("a", kept),
             ("b", "rejected"),
             ("c", "rejected"),

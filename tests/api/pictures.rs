@@ -77,6 +77,42 @@ pub fn jpeg(frame: &Frame) -> Bytes {
     bytes.into()
 }
 
+/// Side of a picture of a thing, in pixels.
+pub const THING_PX: usize = 48;
+
+/// A thing to be turned before the camera, bright on black.
+#[derive(Clone, Copy)]
+pub enum Thing {
+    /// Shaded from one end to the other.
+    Bar,
+    Wedge,
+    /// A small bright disc and a large dim one.
+    Pair,
+    /// Looks the same however it is turned.
+    Ring,
+}
+
+/// A thing turned by so many degrees, with a little noise of its own for every angle; a square picture of a side.
+pub fn thing(thing: Thing, turn_deg: f64, side_px: usize) -> Frame {
+    let mut numbers = Numbers::seeded((turn_deg * 64.0) as u64 + thing as u64);
+    let (sin, cos) = turn_deg.to_radians().sin_cos();
+    let half = side_px as f64 / 2.0;
+    Frame::gray(Image::from_fn(side_px, side_px, |x, y| {
+        let (dx, dy) = ((x as f64 + 0.5) / half - 1.0, (y as f64 + 0.5) / half - 1.0);
+        let (u, v) = (cos * dx + sin * dy, cos * dy - sin * dx);
+        // How far inside the rim, and the brightness there.
+        let (inside, level) = match thing {
+            Thing::Bar => ((0.8 - u.abs()).min(0.2 - v.abs()), 150.0 + 100.0 * u),
+            Thing::Wedge => ((0.35 * (0.7 - u) - v.abs()).min(u + 0.7), 200.0),
+            Thing::Pair if u > 0.15 => (0.25 - (u - 0.5).hypot(v), 230.0),
+            Thing::Pair => (0.35 - (u + 0.4).hypot(v), 120.0),
+            Thing::Ring => (0.12 - (u.hypot(v) - 0.6).abs(), 220.0),
+        };
+        let noise = numbers.below(5) as f64;
+        (level * (0.5 + inside * half).clamp(0.0, 1.0) + noise) as f32
+    }))
+}
+
 /// The PNG file of a scene.
 pub fn scene_png(number: u64) -> Bytes {
     png(&scene(number))

@@ -65,6 +65,8 @@ async fn every_unknown_thing_is_said_to_be_unknown() {
         (bare(Method::GET, &format!("{database}/versions/7")), 404, "unknown_version"),
         (bare(Method::GET, &format!("{database}/versions/-1")), 404, "unknown_version"),
         (bare(Method::GET, &format!("{database}/versions/7/artifact")), 404, "unknown_version"),
+        (bare(Method::GET, &format!("{database}/versions/7/eigenimages/mean")), 404, "unknown_version"),
+        (bare(Method::GET, "/v1/databases/none/versions/1/eigenimages/0"), 404, "unknown_database"),
         (bare(Method::DELETE, &format!("{database}/versions/7")), 404, "unknown_version"),
         (bare(Method::GET, &format!("{database}/aliases/none")), 404, "unknown_alias"),
         (bare(Method::DELETE, &format!("{database}/aliases/none")), 404, "unknown_alias"),
@@ -101,6 +103,8 @@ async fn impossible_names_numbers_and_fields_are_unprocessable_and_pointed_to() 
         (picture("/v1/databases/lab/exemplars?label=a&posed_deg=5"), "#posed_deg"),
         (picture("/v1/databases/lab/exemplars?label=a&pose_deg=NaN"), "#pose_deg"),
         (picture("/v1/databases/lab/exemplars?label=a&pose_deg=inf"), "#pose_deg"),
+        (picture("/v1/databases/lab/exemplars?label=a&pose_deg=360"), "#pose_deg"),
+        (picture("/v1/databases/lab/exemplars?label=a&pose_deg=-5"), "#pose_deg"),
         (picture("/v1/databases/lab/recognitions?top=0"), "#top"),
         (picture("/v1/databases/lab/recognitions?top=1001"), "#top"),
         (picture("/v1/databases/lab/recognitions?top=many"), "#top"),
@@ -169,7 +173,6 @@ async fn wrong_unknown_and_conflicting_options_are_named_all_at_once() {
 async fn what_this_release_cannot_do_is_not_yet() {
     let app = lab().await;
     let table = [
-        (Method::PUT, "/v1/databases/things", json!({"kind": "objects"})),
         (Method::PUT, "/v1/databases/lab", json!({"kind": "landmarks", "options": {"method": "placement"}})),
         (
             Method::PUT,

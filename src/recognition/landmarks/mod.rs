@@ -17,9 +17,7 @@ pub mod warning;
 pub use annotated::annotate;
 pub use description::{DescribedExemplar, ExemplarName, describe};
 pub use model::{Exemplar, Landmarks, Stage};
-pub use options::{
-    Colour, LandmarkOptions, Method, Normalise, Operator, OptionFault, PerLabel, Taper, Viewpoint,
-};
+pub use options::{Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Taper, Viewpoint};
 pub use parts::{LandmarkParts, PartsError};
 pub use training::{TrainingError, TrainingReport};
 pub use vote::{LabelVote, PointVote, Recognition};

@@ -1,7 +1,6 @@
 //! The options of a landmark database. Their defaults are the paper's; each says where the text has it.
 
-use std::fmt;
-
+use crate::recognition::OptionFault;
 use crate::vision::OpponentPlan;
 use crate::vision::SignaturePlan;
 pub use crate::vision::{Normalise, Taper};
@@ -110,21 +109,6 @@ impl Default for LandmarkOptions {
             epsilon: 1e-3,
             per_label: PerLabel::Best,
         }
-    }
-}
-
-/// One thing wrong with the options.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OptionFault {
-    /// The option's name.
-    pub option: &'static str,
-    /// What is wrong, and what would be right.
-    pub message: String,
-}
-
-impl fmt::Display for OptionFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.option, self.message)
     }
 }
 

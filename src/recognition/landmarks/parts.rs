@@ -6,8 +6,9 @@ use thiserror::Error;
 
 use super::description::Describer;
 use super::model::{Exemplar, Landmarks, Owned};
-use super::options::{Colour, LandmarkOptions, OptionFault};
+use super::options::{Colour, LandmarkOptions};
 use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
+use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
 
 /// No number of a trained database is larger: signatures have lengths about 1, and pictures fewer pixels

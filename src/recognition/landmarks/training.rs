@@ -4,8 +4,9 @@ use thiserror::Error;
 
 use super::description::{DescribedExemplar, Describer};
 use super::model::{Exemplar, Landmarks, Owned};
-use super::options::{Colour, LandmarkOptions, OptionFault};
+use super::options::{Colour, LandmarkOptions};
 use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
+use crate::recognition::OptionFault;
 
 /// What a training tells of itself.
 #[derive(Clone, Debug, PartialEq)]

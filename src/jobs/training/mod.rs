@@ -1,7 +1,11 @@
-//! The training job: exemplars → described one by one → eigenspace → artifact → version → alias.
+//! The training job: exemplars → each made ready by itself → eigenspace → artifact → version → alias. What is
+//! particular to a kind stands in a file of its own.
 //!
 //! The order of the writes is the protocol: the artifact's blob, read back and checked; then, in one transaction,
 //! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
+
+mod landmarks;
+mod objects;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,12 +18,12 @@ use super::runner::{Lease, Stop};
 use crate::compute::{Compute, ComputeError, Lane};
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
-    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model, Report,
-    ReportTimings, inputs_digest, options,
+    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model, Options,
+    Report, ReportTimings, inputs_digest,
 };
-use crate::imaging::{self, DecodeLimits};
-use crate::recognition::landmarks::{self, DescribedExemplar, ExemplarName, LandmarkOptions, Landmarks};
+use crate::imaging::{self, DecodeLimits, Frame};
 use crate::store::{BlobError, CatalogueError};
+pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.
 pub(super) const KIND: &str = "training";
@@ -35,7 +39,7 @@ pub enum Promote {
 /// What a training is asked to do, settled when it is queued.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingParams {
-    pub options: LandmarkOptions,
+    pub options: Options,
     pub promote: Promote,
 }
 
@@ -47,15 +51,16 @@ struct ParamsDocument {
 
 impl TrainingParams {
     pub(super) fn to_document(&self) -> String {
-        let document = ParamsDocument { options: options::to_document(&self.options), promote: self.promote };
+        let document = ParamsDocument { options: self.options.to_document(), promote: self.promote };
         serde_json::to_string(&document).expect("text and words always serialise")
     }
 
-    fn from_document(text: &str) -> Result<Self, Stop> {
+    /// The kind is that of the database: the document doesn't name it.
+    fn from_document(kind: Kind, text: &str) -> Result<Self, Stop> {
         let unreadable = |detail: String| Stop::Failed { code: "internal", detail };
         let document: ParamsDocument =
             serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
-        let options = options::from_document(&document.options)
+        let options = Options::from_document(kind, &document.options)
             .map_err(|error| unreadable(crate::telemetry::chain(&error)))?;
         Ok(Self { options, promote: document.promote })
     }
@@ -98,15 +103,21 @@ pub(super) async fn run(
     compute: &Compute,
     decode: &DecodeLimits,
 ) -> Result<i64, Stop> {
-    let params = TrainingParams::from_document(&job.params)?;
+    let database = databases.catalogue.database(&job.database).await?;
+    let database =
+        database.ok_or_else(|| CatalogueError::NotFound { what: format!("database {}", job.database) })?;
+    let kind = Kind::parse(&database.kind).ok_or_else(|| Stop::Failed {
+        code: "not_yet",
+        detail: format!("the database is of kind {}: this release can't train it", database.kind),
+    })?;
+    let params = TrainingParams::from_document(kind, &job.params)?;
     let promote = (params.promote == Promote::Always).then_some(CURRENT);
     let exemplars = databases.catalogue.training_set(&job.database).await?;
     if exemplars.is_empty() {
         let detail = "the database has no exemplars: post some, then train".into();
         return Err(Stop::Failed { code: "no_exemplars", detail });
     }
-    let document = options::to_document(&params.options);
-    let digest = inputs_digest(Kind::Landmarks, &document, &exemplars);
+    let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
     if let Some(found) = databases.catalogue.version_by_digest(&job.database, &digest).await? {
         match databases.registry().check(&job.database, &digest, &found.blob).await {
             Ok(()) => {
@@ -123,22 +134,19 @@ pub(super) async fn run(
         }
     }
 
+    let worker = Worker { lease, databases, compute, decode };
+    let (trained, timings) = match params.options {
+        Options::Landmarks(options) => landmarks::train(worker, exemplars, options).await?,
+        Options::Objects(options) => objects::train(worker, exemplars, options).await?,
+    };
     let started = Instant::now();
-    let options = Arc::new(params.options);
-    let described = describe_all(exemplars, &options, lease, databases, compute, decode).await?;
-    let describe_ms = started.elapsed().as_secs_f64() * 1e3;
-
-    lease.progress("eigenspace", 0, 1).await?;
-    let started = Instant::now();
-    let fit = move || fit(described, &options, digest);
-    let (fitted, _) = compute.run(Lane::Training, 0, fit).await.map_err(DatabaseError::from)?;
-    let (artifact, bytes) = fitted?;
-    let eigenspace_ms = started.elapsed().as_secs_f64() * 1e3;
+    let write = move || trained.into_artifact(digest);
+    let ((artifact, bytes), _) = compute.run(Lane::Training, 0, write).await.map_err(DatabaseError::from)?;
+    let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
 
     lease.progress("publishing", 0, 1).await?;
     let mut new = databases.keep_artifact(&job.database, &artifact, bytes).await?;
-    let timings = ReportTimings { describe: describe_ms, eigenspace: eigenspace_ms };
-    new.report = Report { timings_ms: Some(timings), ..artifact.report }.to_document();
+    new.report = artifact.report.timed(ReportTimings { eigenspace, ..timings }).to_document();
     databases.registry().check(&job.database, &new.digest, &new.blob).await?;
     lease.go_on()?;
     let _publishing = lease.publishing().await;
@@ -161,74 +169,84 @@ async fn announce(databases: &Databases) {
     }
 }
 
-/// Interest points and signatures of every exemplar, in the exemplars' order; several at once on the training lane.
-async fn describe_all(
-    exemplars: Vec<ExemplarRow>,
-    options: &Arc<LandmarkOptions>,
-    lease: &Lease,
-    databases: &Databases,
-    compute: &Compute,
-    decode: &DecodeLimits,
-) -> Result<Vec<DescribedExemplar>, Stop> {
-    let total = exemplars.len() as u64;
-    let described = stream::iter(exemplars)
-        .map(|row| describe(row, Arc::clone(options), databases, compute, *decode))
-        .buffered(compute.threads(Lane::Training));
-    described
-        .enumerate()
-        .then(|(done, described)| async move {
-            lease.progress("describing", done as u64, total).await?;
-            described
-        })
-        .try_collect()
-        .await
+/// What the method of a kind made of the exemplars.
+struct Trained {
+    model: Model,
+    report: Report,
+    counts: Counts,
 }
 
-async fn describe(
-    row: ExemplarRow,
-    options: Arc<LandmarkOptions>,
-    databases: &Databases,
-    compute: &Compute,
-    limits: DecodeLimits,
-) -> Result<DescribedExemplar, Stop> {
-    let bytes = databases.exemplar_bytes(&row).await?;
-    let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.working_bytes());
-    let name = ExemplarName { id: row.id.to_string(), label: row.label };
-    let work = move || {
-        let frame = imaging::decode(&bytes, &limits)?;
-        Ok::<_, imaging::DecodeError>(landmarks::describe(name, &frame, &options))
-    };
-    let (described, _) = compute.run(Lane::Training, memory, work).await.map_err(DatabaseError::from)?;
-    described.map_err(|error| Stop::Failed {
-        code: "unreadable_exemplar",
-        detail: format!(
-            "exemplar {} can't be decoded: {}; delete it and train again",
-            row.id,
-            crate::telemetry::chain(&error)
-        ),
-    })
+impl Trained {
+    /// The artifact and its file.
+    fn into_artifact(self, digest: String) -> (Artifact, Bytes) {
+        let Self { model, report, counts } = self;
+        let artifact = Artifact { digest, algorithm_revision: ALGORITHM_REVISION, counts, report, model };
+        let bytes = Bytes::from(artifact::write(&artifact));
+        (artifact, bytes)
+    }
 }
 
-/// The eigenspace of the described exemplars, as an artifact and its file.
-fn fit(
-    described: Vec<DescribedExemplar>,
-    options: &LandmarkOptions,
-    digest: String,
-) -> Result<(Artifact, Bytes), Stop> {
-    let (model, report) = Landmarks::train(described, options)
-        .map_err(|error| Stop::Failed { code: "too_few_points", detail: crate::telemetry::chain(&error) })?;
-    let counts = Counts {
-        exemplars: report.exemplars as u64,
-        labels: report.labels as u64,
-        interest_points: report.interest_points as u64,
-    };
-    let artifact = Artifact {
-        digest,
-        algorithm_revision: ALGORITHM_REVISION,
-        counts,
-        report: Report::from(&report),
-        model: Model::Landmarks(model),
-    };
-    let bytes = Bytes::from(artifact::write(&artifact));
-    Ok((artifact, bytes))
+/// What it takes to read exemplars and to compute.
+struct Worker<'a> {
+    lease: &'a Lease,
+    databases: &'a Databases,
+    compute: &'a Compute,
+    decode: &'a DecodeLimits,
+}
+
+impl Worker<'_> {
+    /// What `describe` makes of each exemplar by itself, in the exemplars' order, and the milliseconds that it took;
+    /// several at once on the training lane.
+    async fn described<T, F>(&self, exemplars: Vec<ExemplarRow>, describe: F) -> Result<(Vec<T>, f64), Stop>
+    where
+        T: Send + 'static,
+        F: Fn(&ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
+    {
+        let started = Instant::now();
+        let (total, describe) = (exemplars.len() as u64, Arc::new(describe));
+        let described = stream::iter(exemplars)
+            .map(|row| self.described_one(row, Arc::clone(&describe)))
+            .buffered(self.compute.threads(Lane::Training))
+            .enumerate()
+            .then(|(done, described)| async move {
+                self.lease.progress("describing", done as u64, total).await?;
+                described
+            })
+            .try_collect()
+            .await?;
+        Ok((described, started.elapsed().as_secs_f64() * 1e3))
+    }
+
+    async fn described_one<T, F>(&self, row: ExemplarRow, describe: Arc<F>) -> Result<T, Stop>
+    where
+        T: Send + 'static,
+        F: Fn(&ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
+    {
+        let bytes = self.databases.exemplar_bytes(&row).await?;
+        let limits = *self.decode;
+        let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.working_bytes());
+        let work = move || {
+            let frame = imaging::decode(&bytes, &limits).map_err(|error| Stop::Failed {
+                code: "unreadable_exemplar",
+                detail: format!(
+                    "exemplar {} can't be decoded: {}; delete it and train again",
+                    row.id,
+                    crate::telemetry::chain(&error)
+                ),
+            })?;
+            describe(&row, &frame)
+        };
+        self.compute.run(Lane::Training, memory, work).await.map_err(DatabaseError::from)?.0
+    }
+
+    /// What `fit` makes of all that was described, on one thread, and the milliseconds that it took.
+    async fn fitted(
+        &self,
+        fit: impl FnOnce() -> Result<Trained, Stop> + Send + 'static,
+    ) -> Result<(Trained, f64), Stop> {
+        self.lease.progress("eigenspace", 0, 1).await?;
+        let started = Instant::now();
+        let (fitted, _) = self.compute.run(Lane::Training, 0, fit).await.map_err(DatabaseError::from)?;
+        Ok((fitted?, started.elapsed().as_secs_f64() * 1e3))
+    }
 }

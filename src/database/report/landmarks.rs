@@ -1,12 +1,13 @@
-//! The report of a training, as it is kept with the version and in its artifact.
+//! What the training of a landmark database tells of itself.
 
 use serde::{Deserialize, Serialize};
 
+use super::ReportTimings;
 use crate::recognition::landmarks::{Colour, TrainingReport};
 
 /// What a training told of itself. Fields that later releases add are optional here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct LandmarkReport {
     /// Variance along each direction, descending, all of them.
     pub spectrum: Vec<f64>,
     /// Part of the variance that the kept dimensions hold.
@@ -24,23 +25,7 @@ pub struct Report {
     pub timings_ms: Option<ReportTimings>,
 }
 
-/// How long the parts of a training took, in milliseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ReportTimings {
-    /// Reading and describing the exemplars.
-    pub describe: f64,
-    /// Eigenspace, index and artifact.
-    pub eigenspace: f64,
-}
-
-impl Report {
-    /// The report as one line of JSON.
-    pub fn to_document(&self) -> String {
-        serde_json::to_string(self).expect("numbers and text always serialise")
-    }
-}
-
-impl From<&TrainingReport> for Report {
+impl From<&TrainingReport> for LandmarkReport {
     fn from(report: &TrainingReport) -> Self {
         Self {
             spectrum: report.spectrum.clone(),

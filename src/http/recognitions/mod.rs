@@ -1,4 +1,8 @@
-//! `POST /v1/databases/{database}/recognitions[:batch]`: ask a frame what it shows.
+//! `POST /v1/databases/{database}/recognitions[:batch]`: ask a frame what it shows. What is particular to a kind
+//! stands in a file of its own.
+
+mod landmarks;
+mod objects;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,8 +24,10 @@ use super::uploads::{Form, HeaderEcho, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{FrameHeader, LoadedVersion, Model, Name};
-use crate::imaging::{self, DecodeError, Frame};
-use crate::recognition::landmarks::{Landmarks, Recognition, Stage, annotate};
+use crate::imaging::{self, DecodeLimits};
+
+use landmarks::{LandmarkEvidence, LandmarkStages};
+use objects::{ObjectEvidence, ObjectStages};
 
 /// What answers, and how much of the evidence is wanted.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
@@ -34,17 +40,17 @@ pub struct RecognitionQuery {
     /// Number of the version that answers.
     #[param(minimum = 1)]
     pub version: Option<i64>,
-    /// Most labels in `votes`.
+    /// Most labels in `votes` or `candidates`; of candidates there are five at most.
     #[param(minimum = 1, maximum = 1000, default = 5)]
     pub top: Option<usize>,
-    /// Give every point's vote.
+    /// Give every point's vote. Objects have no more to give.
     #[param(default = false)]
     pub explain: Option<bool>,
 }
 
-/// Labels in `votes` when the call names no number.
+/// Labels in `votes` or `candidates` when the call names no number.
 const DEFAULT_TOP: usize = 5;
-/// Most labels in `votes`.
+/// Most labels in `votes` or `candidates`.
 const MAX_TOP: usize = 1000;
 
 /// What a frame shows.
@@ -59,18 +65,20 @@ pub struct RecognitionBody {
     pub header: HeaderEcho,
     /// What to act on; null when nothing is recognised.
     pub decision: Option<DecisionBody>,
-    /// Reasons to doubt the answer: `no_interest_points`, `few_interest_points`, `gray_frame`.
+    /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `few_interest_points`, `gray_frame`. Objects:
+    /// `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`, `close_second`, `not_calibrated`.
     pub warnings: Vec<&'static str>,
     pub timings_ms: TimingsBody,
-    /// The evidence, best first.
-    pub votes: Vec<VoteBody>,
-    /// Interest points that voted.
-    pub points_used: u64,
-    /// Interest points in the frame.
-    pub points_found: u64,
-    /// With `explain`: every point's vote, most salient first. For each label the weights sum to its W.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub points: Option<Vec<PointBody>>,
+    #[serde(flatten)]
+    pub evidence: EvidenceBody,
+}
+
+/// What speaks for the answer, by the kind of the database.
+#[derive(Debug, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum EvidenceBody {
+    Landmarks(LandmarkEvidence),
+    Objects(ObjectEvidence),
 }
 
 /// What the frame shows.
@@ -81,34 +89,6 @@ pub struct DecisionBody {
     pub confidence: Option<f64>,
 }
 
-/// The votes for a label.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct VoteBody {
-    pub label: String,
-    /// W of the label.
-    pub weight: f64,
-    /// Its part of all W.
-    pub share: f64,
-    /// Interest points whose vote counted for it.
-    pub points: u64,
-}
-
-/// The vote of an interest point.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct PointBody {
-    pub x_px: f32,
-    pub y_px: f32,
-    pub salience: f32,
-    /// Id of the exemplar with the nearest eigenpoint.
-    pub exemplar: String,
-    /// Its label.
-    pub label: String,
-    /// Distance D in the eigenspace.
-    pub distance: f64,
-    /// 1/(D+ε), or 0 when another exemplar of the label is the one that counts.
-    pub weight: f64,
-}
-
 /// How long the parts of a recognition took, in milliseconds.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct TimingsBody {
@@ -117,13 +97,16 @@ pub struct TimingsBody {
     pub decode: f64,
     /// All that follows decoding.
     pub recognise: f64,
-    /// Interest points.
-    pub attention: f64,
-    /// Sub-windows and their spectra.
-    pub signature: f64,
-    /// Projection and nearest eigenpoints.
-    pub search: f64,
-    pub vote: f64,
+    #[serde(flatten)]
+    pub stages: StagesBody,
+}
+
+/// The parts of what follows decoding, in milliseconds, by the kind of the database.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum StagesBody {
+    Landmarks(LandmarkStages),
+    Objects(ObjectStages),
 }
 
 /// One item of a batch: a recognition, or the problem with that picture.
@@ -149,48 +132,71 @@ pub struct ImagesForm {
     image: Vec<String>,
 }
 
-/// How long each part of the work took.
-#[derive(Debug, Clone, Copy, Default)]
-struct Clocked {
+/// How much of an answer is wanted.
+#[derive(Clone, Copy)]
+struct Wanted {
+    top: usize,
+    explain: bool,
+    annotated: bool,
+}
+
+impl RecognitionQuery {
+    fn wanted(&self, annotated: bool) -> Result<Wanted, Problem> {
+        let explain = self.explain.unwrap_or(false);
+        match self.top.unwrap_or(DEFAULT_TOP) {
+            top @ 1..=MAX_TOP => Ok(Wanted { top, explain, annotated }),
+            other => Err(Problem::field("#top", format!("{other} is not between 1 and {MAX_TOP}"))),
+        }
+    }
+}
+
+/// What a model of some kind says of a frame.
+struct Answer {
+    decision: Option<DecisionBody>,
+    warnings: Vec<&'static str>,
+    evidence: EvidenceBody,
+    stages: StagesBody,
+    /// The names of the stages and how long each took.
+    clocked: Vec<(&'static str, Duration)>,
+    /// The frame as PNG with the evidence drawn on it, if that is wanted.
+    annotated: Option<Vec<u8>>,
+}
+
+/// An answer with the time that went before it.
+struct Recognised {
+    answer: Answer,
     queue: Duration,
     decode: Duration,
-    stages: [Duration; 4],
 }
 
-/// A recognition with what the answer needs beside it.
-struct Recognised {
-    recognition: Recognition,
-    annotated: Option<Vec<u8>>,
-    clocked: Clocked,
-}
-
-fn place(stage: Stage) -> usize {
-    match stage {
-        Stage::Attention => 0,
-        Stage::Signature => 1,
-        Stage::Search => 2,
-        Stage::Vote => 3,
+/// Gives the time since it was last asked.
+fn stopwatch() -> impl FnMut() -> Duration {
+    let mut last = Instant::now();
+    move || {
+        let now = Instant::now();
+        now.duration_since(std::mem::replace(&mut last, now))
     }
+}
+
+fn ms(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
 }
 
 /// Decode and recognise: runs on a computing thread.
 fn recognise(
     picture: &Picture,
-    limits: &imaging::DecodeLimits,
-    landmarks: &Landmarks,
-    with_picture: bool,
-) -> Result<Recognised, DecodeError> {
-    let mut clocked = Clocked::default();
-    let mut last = Instant::now();
-    let mut lap = || {
-        let now = Instant::now();
-        now.duration_since(std::mem::replace(&mut last, now))
+    limits: &DecodeLimits,
+    model: &Model,
+    wanted: Wanted,
+) -> Result<(Answer, Duration), Problem> {
+    let mut lap = stopwatch();
+    let frame = imaging::decode(&picture.bytes, limits)?;
+    let decode = lap();
+    let answer = match model {
+        Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, lap),
+        Model::Objects(model) => objects::answer(&frame, model, wanted, lap)?,
     };
-    let frame: Frame = imaging::decode(&picture.bytes, limits)?;
-    clocked.decode = lap();
-    let recognition = landmarks.recognise(&frame, |stage| clocked.stages[place(stage)] = lap());
-    let annotated = with_picture.then(|| annotate(&frame, &recognition, landmarks).into_png());
-    Ok(Recognised { recognition, annotated, clocked })
+    Ok((answer, decode))
 }
 
 impl Service {
@@ -210,105 +216,42 @@ impl Service {
         &self,
         version: &Arc<LoadedVersion>,
         picture: Picture,
-        with_picture: bool,
+        wanted: Wanted,
     ) -> Result<Recognised, Problem> {
         let (version, limits) = (Arc::clone(version), self.decode);
         let memory = picture.working_bytes;
-        let work = move || {
-            let Model::Landmarks(landmarks) = &version.model;
-            recognise(&picture, &limits, landmarks, with_picture)
-        };
+        let work = move || recognise(&picture, &limits, &version.model, wanted);
         let (recognised, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let mut recognised = recognised?;
-        recognised.clocked.queue = queue;
-        let clocked = recognised.clocked;
-        let [attention, signature, search, vote] = clocked.stages;
-        for (stage, took) in [
-            ("queue", queue),
-            ("decode", clocked.decode),
-            ("attention", attention),
-            ("signature", signature),
-            ("search", search),
-            ("vote", vote),
-        ] {
-            self.metrics.stage(stage, took);
-        }
-        Ok(recognised)
+        let (answer, decode) = recognised?;
+        self.metrics.stage("queue", queue);
+        self.metrics.stage("decode", decode);
+        answer.clocked.iter().for_each(|(stage, took)| self.metrics.stage(stage, *took));
+        Ok(Recognised { answer, queue, decode })
     }
 }
 
-fn render(
-    version: &LoadedVersion,
-    header: FrameHeader,
-    recognised: &Recognised,
-    query: &RecognitionQuery,
-) -> Result<RecognitionBody, Problem> {
-    let Model::Landmarks(landmarks) = &version.model;
-    let recognition = &recognised.recognition;
-    let top = top(query)?;
-    let ms = |duration: Duration| duration.as_secs_f64() * 1e3;
-    let [attention, signature, search, vote] = recognised.clocked.stages.map(ms);
-    let points = query.explain.unwrap_or(false).then(|| {
-        let point = |vote: &crate::recognition::landmarks::PointVote| {
-            let exemplar = &landmarks.exemplars()[vote.exemplar];
-            PointBody {
-                x_px: vote.x_px,
-                y_px: vote.y_px,
-                salience: vote.salience,
-                exemplar: exemplar.id.clone(),
-                label: exemplar.label.clone(),
-                distance: vote.distance,
-                weight: vote.weight,
-            }
-        };
-        recognition.points.iter().map(point).collect()
-    });
-    Ok(RecognitionBody {
+fn render(version: &LoadedVersion, header: FrameHeader, recognised: Recognised) -> RecognitionBody {
+    let Recognised { answer, queue, decode } = recognised;
+    RecognitionBody {
         database: version.database.clone(),
-        kind: version.kind().into(),
+        kind: version.model.kind().into(),
         version: version.version,
         digest: version.digest.clone(),
         header: header.into(),
-        decision: recognition
-            .votes
-            .first()
-            .map(|best| DecisionBody { label: best.label.clone(), confidence: None }),
-        warnings: recognition.warnings.iter().map(|warning| warning.code()).collect(),
+        decision: answer.decision,
+        warnings: answer.warnings,
         timings_ms: TimingsBody {
-            queue: ms(recognised.clocked.queue),
-            decode: ms(recognised.clocked.decode),
-            recognise: attention + signature + search + vote,
-            attention,
-            signature,
-            search,
-            vote,
+            queue: ms(queue),
+            decode: ms(decode),
+            recognise: answer.clocked.iter().map(|(_, took)| ms(*took)).sum(),
+            stages: answer.stages,
         },
-        votes: recognition
-            .votes
-            .iter()
-            .take(top)
-            .map(|vote| VoteBody {
-                label: vote.label.clone(),
-                weight: vote.weight,
-                share: vote.share,
-                points: vote.points as u64,
-            })
-            .collect(),
-        points_used: recognition.points_used as u64,
-        points_found: recognition.points_found as u64,
-        points,
-    })
-}
-
-fn top(query: &RecognitionQuery) -> Result<usize, Problem> {
-    match query.top.unwrap_or(DEFAULT_TOP) {
-        top @ 1..=MAX_TOP => Ok(top),
-        other => Err(Problem::field("#top", format!("{other} is not between 1 and {MAX_TOP}"))),
+        evidence: answer.evidence,
     }
 }
 
-/// Recognise one frame. With `Accept: image/png` the answer is the frame with points and votes drawn on it; the headers
-/// `X-Version` and `X-Digest` say what answered.
+/// Recognise one frame. With `Accept: image/png` the answer is the frame with the evidence drawn on it (points and votes,
+/// or candidates and pose); the headers `X-Version` and `X-Digest` say what answered.
 #[utoipa::path(
     post, operation_id = "recognise",
     path = "/v1/databases/{database}/recognitions", tag = "recognition", params(DatabasePath, RecognitionQuery),
@@ -332,11 +275,10 @@ pub async fn post(
     OnePicture(picture): OnePicture,
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png"])?;
-    let with_picture = given == "image/png";
-    top(&query)?;
+    let wanted = query.wanted(given == "image/png")?;
     let version = service.version_for(&path.database, &query).await?;
-    let recognised = service.recognise(&version, picture, with_picture).await?;
-    let mut response = match recognised.annotated {
+    let mut recognised = service.recognise(&version, picture, wanted).await?;
+    let mut response = match recognised.answer.annotated.take() {
         Some(png) => {
             let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
             let headers = [
@@ -346,7 +288,7 @@ pub async fn post(
             ];
             (headers, png).into_response()
         }
-        None => Json(render(&version, header, &recognised, &query)?).into_response(),
+        None => Json(render(&version, header, recognised)).into_response(),
     };
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
     Ok(response)
@@ -367,7 +309,7 @@ pub async fn post_batch(
     RobotHeader(header): RobotHeader,
     request: Request,
 ) -> Result<Json<RecognitionBatch>, Problem> {
-    top(&query)?;
+    let wanted = query.wanted(false)?;
     let version = service.version_for(&path.database, &query).await?;
     let limits = &service.limits;
     let mut form = Form::of(request, &service, limits.max_batch_bytes).await?;
@@ -382,11 +324,11 @@ pub async fn post_batch(
         } else {
             Err(Problem::field("/image", format!("every part is called image, not {name:?}")))
         };
-        let (service, version, query, header) = (&service, &version, &query, header.clone());
+        let (service, version, header) = (&service, &version, header.clone());
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
-            let recognised = service.recognise(version, picture, false).await?;
-            render(version, header, &recognised, query)
+            let recognised = service.recognise(version, picture, wanted).await?;
+            Ok(render(version, header, recognised))
         });
         if running.len() >= most_running
             && let Some(done) = running.next().await

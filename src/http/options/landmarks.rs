@@ -1,65 +1,40 @@
-//! Options on the wire. Each is optional; what is absent keeps its value. Unknown, misshapen and conflicting ones are
-//! one problem that names them all.
+//! Options of a database of kind `landmarks`.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::problem::{Code, FieldError, Problem};
+use super::{judge, readable, words};
+use crate::http::problem::Problem;
 use crate::recognition::landmarks::{self, LandmarkOptions};
-
-macro_rules! words {
-    ($(#[$doc:meta])* $name:ident, $domain:ident, { $($variant:ident),+ } $(, later { $($later:ident),+ })?) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-        #[serde(rename_all = "snake_case")]
-        pub enum $name { $($variant),+ $(, $($later),+)? }
-
-        impl $name {
-            /// The value inside; an error for a word whose meaning is still to come.
-            fn inside(self) -> Result<landmarks::$domain, ()> {
-                match self {
-                    $(Self::$variant => Ok(landmarks::$domain::$variant),)+
-                    $($(Self::$later => Err(()),)+)?
-                }
-            }
-        }
-
-        impl From<landmarks::$domain> for $name {
-            fn from(value: landmarks::$domain) -> Self {
-                match value { $(landmarks::$domain::$variant => Self::$variant),+ }
-            }
-        }
-    };
-}
 
 words!(
     /// How votes are counted: `paper` is the published method; `placement` is not in this release.
-    MethodWord, Method, { Paper }, later { Placement }
+    MethodWord, landmarks::Method, { Paper }, later { Placement }
 );
 words!(
     /// Whether the camera may turn about its axis; `upright` is not in this release.
-    ViewpointWord, Viewpoint, { Free }, later { Upright }
+    ViewpointWord, landmarks::Viewpoint, { Free }, later { Upright }
 );
 words!(
     /// How interest points are found; only `symmetry` is in this release.
-    OperatorWord, Operator, { Symmetry }, later { Dog, Harris, Mixed }
+    OperatorWord, landmarks::Operator, { Symmetry }, later { Dog, Harris, Mixed }
 );
 words!(
     /// How a sub-window fades towards its rim: over the radius alone, or over both axes as the paper's text has it.
-    TaperWord, Taper, { Radial, Literal }
+    TaperWord, landmarks::Taper, { Radial, Literal }
 );
 words!(
     /// What is made equal between sub-windows before the transform.
-    NormaliseWord, Normalise, { Contrast, Energy, None }
+    NormaliseWord, landmarks::Normalise, { Contrast, Energy, None }
 );
 words!(
     /// Which planes signatures are taken from.
-    ColourWord, Colour, { Auto, Gray, Opponent }
+    ColourWord, landmarks::Colour, { Auto, Gray, Opponent }
 );
 words!(
     /// How a label's weight is made of its exemplars' weights.
-    PerLabelWord, PerLabel, { Best, Sum }
+    PerLabelWord, landmarks::PerLabel, { Best, Sum }
 );
 
 /// Options of a database of kind `landmarks`.
@@ -133,25 +108,9 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
     }
 }
 
-/// The options `base` with those of the body put over them.
-///
-/// # Errors
-/// One problem that names every unknown, misshapen or conflicting option; 422 `not_yet` when all that is wrong is a
-/// word whose meaning is still to come.
-pub fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<LandmarkOptions, Problem> {
-    let mut faults = Vec::new();
-    let mut readable = Map::new();
-    for (name, value) in body {
-        // One at a time, so that every fault is found and not only the first.
-        let alone = Value::Object(Map::from_iter([(name.clone(), value.clone())]));
-        match serde_json::from_value::<LandmarkOptionsBody>(alone) {
-            Ok(_) => drop(readable.insert(name.clone(), value.clone())),
-            Err(error) => {
-                faults.push(FieldError { pointer: format!("/options/{name}"), detail: error.to_string() });
-            }
-        }
-    }
-    let body: LandmarkOptionsBody = serde_json::from_value(Value::Object(readable)).unwrap_or_default();
+/// See [`super::over`].
+pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<LandmarkOptions, Problem> {
+    let (body, faults) = readable::<LandmarkOptionsBody>(body);
     let mut later = Vec::new();
     let mut options = base;
     macro_rules! take_word {
@@ -172,28 +131,15 @@ pub fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<Landmark
     if body.position_prior_px.is_some() {
         later.push("position_prior_px");
     }
-    for fault in options.faults() {
-        faults.push(FieldError { pointer: format!("/options/{}", fault.option), detail: fault.message });
-    }
-    let later: Vec<FieldError> = later
-        .into_iter()
-        .map(|name| FieldError {
-            pointer: format!("/options/{name}"),
-            detail: "has a value that this release can't do yet".into(),
-        })
-        .collect();
-    if !later.is_empty() && faults.is_empty() {
-        let text =
-            "this release has method paper, viewpoint free and operator symmetry, and no position prior";
-        return Err(Problem::new(Code::NotYet, text).with_errors(later));
-    }
-    faults.extend(later);
-    if faults.is_empty() { Ok(options) } else { Err(Problem::fields(faults)) }
+    let text = "this release has method paper, viewpoint free and operator symmetry, and no position prior";
+    judge(faults, options.faults(), later, text)?;
+    Ok(options)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::http::problem::Code;
 
     fn over_default(body: Value) -> Result<LandmarkOptions, Problem> {
         over(LandmarkOptions::default(), body.as_object().unwrap())

@@ -1,25 +1,26 @@
 //! The artifact file: one version as one self-describing file.
 //!
-//! It is a safetensors file, so Python, JAX or a notebook reads its tensors without us: `mean` [signature],
-//! `basis` [dimension, signature], `eigenvalues` [dimension], `eigenpoints` [points, dimension], `points`
-//! [points, 3] (x, y in pixels, salience) and `owner` [points] (index into the exemplars). Everything else is one
-//! JSON text under the metadata key `landmarkd` (one key, so that the same version gives the same bytes):
-//! format, kind, algorithm revision, digest of the inputs, options, counts, exemplars, report, checksum.
+//! It is a safetensors file, so Python, JAX or a notebook reads its tensors without us; each kind has its own, see
+//! [`landmarks`] and [`objects`]. Everything else is one JSON text under the metadata key `landmarkd` (one key, so
+//! that the same version gives the same bytes): format, kind, algorithm revision, digest of the inputs, checksum,
+//! options, counts, and what the kind adds, its report among it.
 //!
 //! The checksum is the hash of the whole file with the checksum's own digits set to `0`: no byte can change
 //! unseen. The file may come from anywhere: a wrong one is refused with what is wrong, never a panic.
 
+mod landmarks;
+mod objects;
+
 use std::collections::HashMap;
+use std::error::Error;
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
-use uuid::Uuid;
 
-use super::options::{self, DocumentError};
+use super::options::{DocumentError, Options};
 use super::registry::Model;
 use super::report::Report;
-use super::{ALGORITHM_REVISION, Counts, Kind, Name};
-use crate::recognition::landmarks::{Exemplar, LandmarkParts, Landmarks, PartsError};
+use super::{ALGORITHM_REVISION, Counts, Kind};
 use crate::store::BlobName;
 
 /// The format that is written; older ones are read for ever.
@@ -39,15 +40,12 @@ pub struct Artifact {
 impl Artifact {
     /// The kind of database it belongs to.
     pub fn kind(&self) -> Kind {
-        match self.model {
-            Model::Landmarks(_) => Kind::Landmarks,
-        }
+        self.model.kind()
     }
 
     /// The options it was trained with, as they are kept.
     pub fn options_document(&self) -> String {
-        let Model::Landmarks(landmarks) = &self.model;
-        options::to_document(landmarks.options())
+        self.model.options().to_document()
     }
 }
 
@@ -82,12 +80,13 @@ pub enum ArtifactError {
     #[error("the parts of the file don't fit together")]
     Parts {
         #[source]
-        source: PartsError,
+        source: Box<dyn Error + Send + Sync>,
     },
     #[error("the counts, names or digest in the file are not those of an artifact")]
     Contents,
 }
 
+/// What stands in the header of every kind.
 #[derive(Serialize, Deserialize)]
 struct Header {
     format: u32,
@@ -98,26 +97,27 @@ struct Header {
     /// The options' document, as text: its digits are part of the digest.
     options: String,
     counts: Counts,
-    total_variance: f64,
-    exemplars: Vec<ExemplarDocument>,
-    report: Report,
 }
 
-#[derive(Serialize, Deserialize)]
-struct ExemplarDocument {
-    id: String,
-    label: String,
-    width_px: u32,
-    height_px: u32,
-    points: usize,
+/// The header with what the kind adds, as it is written.
+#[derive(Serialize)]
+struct WholeHeader<K> {
+    #[serde(flatten)]
+    common: Header,
+    #[serde(flatten)]
+    of_kind: K,
 }
+
+/// Name, type, shape and little-endian bytes.
+type Tensor = (&'static str, Dtype, Vec<usize>, Vec<u8>);
 
 const NO_CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// The artifact as a file.
+///
+/// # Panics
+/// If the report is not of the model's kind.
 pub fn write(artifact: &Artifact) -> Vec<u8> {
-    let Model::Landmarks(landmarks) = &artifact.model;
-    let parts = landmarks.to_parts();
     let header = Header {
         format: FORMAT,
         kind: artifact.kind().as_str().into(),
@@ -126,21 +126,21 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
         checksum: NO_CHECKSUM.into(),
         options: artifact.options_document(),
         counts: artifact.counts,
-        total_variance: parts.total_variance,
-        exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
-        report: artifact.report.clone(),
     };
+    match (&artifact.model, &artifact.report) {
+        (Model::Landmarks(model), Report::Landmarks(report)) => {
+            write_parts(header, landmarks::take_apart(model, report))
+        }
+        (Model::Objects(model), Report::Objects(report)) => {
+            write_parts(header, objects::take_apart(model, report))
+        }
+        _ => panic!("the report is of the model's kind"),
+    }
+}
+
+fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor>)) -> Vec<u8> {
+    let header = WholeHeader { common, of_kind };
     let header = serde_json::to_string(&header).expect("numbers and text always serialise");
-    let (dimension, points) = (parts.eigenvalues.len(), parts.owner.len());
-    let signature = parts.mean.len();
-    let tensors = [
-        ("basis", Dtype::F32, vec![dimension, signature], le_bytes(&parts.basis, f32::to_le_bytes)),
-        ("eigenpoints", Dtype::F32, vec![points, dimension], le_bytes(&parts.eigenpoints, f32::to_le_bytes)),
-        ("eigenvalues", Dtype::F64, vec![dimension], le_bytes(&parts.eigenvalues, f64::to_le_bytes)),
-        ("mean", Dtype::F32, vec![signature], le_bytes(&parts.mean, f32::to_le_bytes)),
-        ("owner", Dtype::U32, vec![points], le_bytes(&parts.owner, u32::to_le_bytes)),
-        ("points", Dtype::F32, vec![points, 3], le_bytes(&parts.points, f32::to_le_bytes)),
-    ];
     let views = tensors.iter().map(|(name, dtype, shape, bytes)| {
         let view = TensorView::new(*dtype, shape.clone(), bytes);
         (*name, view.expect("each shape is that of its vector"))
@@ -163,8 +163,7 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
     let tensors = SafeTensors::deserialize(file).map_err(not_safetensors)?;
     let text = metadata.metadata().as_ref().and_then(|metadata| metadata.get(METADATA_KEY));
     let text = text.ok_or(ArtifactError::Metadata { source: None })?;
-    let header: Header =
-        serde_json::from_str(text).map_err(|source| ArtifactError::Metadata { source: Some(source) })?;
+    let header: Header = read_header(text)?;
     if header.format > FORMAT {
         return Err(ArtifactError::TooNew { found: header.format });
     }
@@ -172,30 +171,25 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
     if !(1..=ALGORITHM_REVISION).contains(&header.algorithm_revision) {
         return Err(ArtifactError::Revision { found: header.algorithm_revision });
     }
-    if Kind::parse(&header.kind).is_none() {
+    let Some(kind) = Kind::parse(&header.kind) else {
         return Err(ArtifactError::KindUnknown { kind: header.kind });
-    }
-    let options =
-        options::from_document(&header.options).map_err(|source| ArtifactError::Options { source })?;
-    let parts = LandmarkParts {
-        options,
-        exemplars: header.exemplars.into_iter().map(Exemplar::from).collect(),
-        mean: tensor(&tensors, "mean", Dtype::F32, f32::from_le_bytes)?,
-        basis: tensor(&tensors, "basis", Dtype::F32, f32::from_le_bytes)?,
-        eigenvalues: tensor(&tensors, "eigenvalues", Dtype::F64, f64::from_le_bytes)?,
-        total_variance: header.total_variance,
-        eigenpoints: tensor(&tensors, "eigenpoints", Dtype::F32, f32::from_le_bytes)?,
-        points: tensor(&tensors, "points", Dtype::F32, f32::from_le_bytes)?,
-        owner: tensor(&tensors, "owner", Dtype::U32, u32::from_le_bytes)?,
     };
-    let named =
-        |exemplar: &Exemplar| Name::parse(&exemplar.label).is_ok() && Uuid::try_parse(&exemplar.id).is_ok();
-    if !parts.exemplars.iter().all(named) {
-        return Err(ArtifactError::Contents);
-    }
-    let (exemplars, points) = (parts.exemplars.len() as u64, parts.owner.len() as u64);
-    let landmarks = Landmarks::from_parts(parts).map_err(|source| ArtifactError::Parts { source })?;
-    let counts = Counts { exemplars, labels: landmarks.labels().len() as u64, interest_points: points };
+    let options =
+        Options::from_document(kind, &header.options).map_err(|source| ArtifactError::Options { source })?;
+    let (model, report, counts) = match options {
+        Options::Landmarks(options) => {
+            let of_kind: landmarks::LandmarkHeader = read_header(text)?;
+            let report = of_kind.report.clone();
+            let (model, counts) = landmarks::put_together(options, of_kind, &tensors)?;
+            (Model::Landmarks(model), Report::Landmarks(report), counts)
+        }
+        Options::Objects(options) => {
+            let of_kind: objects::ObjectHeader = read_header(text)?;
+            let report = Box::new(of_kind.report.clone());
+            let (model, counts) = objects::put_together(options, of_kind, &tensors)?;
+            (Model::Objects(model), Report::Objects(report), counts)
+        }
+    };
     if counts != header.counts || header.digest.parse::<BlobName>().is_err() {
         return Err(ArtifactError::Contents);
     }
@@ -203,17 +197,22 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
         digest: header.digest,
         algorithm_revision: header.algorithm_revision,
         counts,
-        report: header.report,
-        model: Model::Landmarks(landmarks),
+        report,
+        model,
     })
+}
+
+/// The common part of a header, or that of a kind: each leaves the members of the other alone.
+fn read_header<'a, H: Deserialize<'a>>(text: &'a str) -> Result<H, ArtifactError> {
+    serde_json::from_str(text).map_err(|source| ArtifactError::Metadata { source: Some(source) })
 }
 
 /// Hash the file with the checksum's digits set to `0`.
 fn verify_checksum(file: &[u8], checksum: &str) -> Result<(), ArtifactError> {
-    let at = find(file, checksum.as_bytes()).ok_or(ArtifactError::Checksum)?;
     if checksum.len() != NO_CHECKSUM.len() {
         return Err(ArtifactError::Checksum);
     }
+    let at = find(file, checksum.as_bytes()).ok_or(ArtifactError::Checksum)?;
     let mut blank = file.to_vec();
     blank[at..at + checksum.len()].copy_from_slice(NO_CHECKSUM.as_bytes());
     if BlobName::of(&blank).to_string() == checksum { Ok(()) } else { Err(ArtifactError::Checksum) }
@@ -244,35 +243,13 @@ fn tensor<T, const N: usize>(
     Ok(values.iter().map(|bytes| value(*bytes)).collect())
 }
 
-impl From<&Exemplar> for ExemplarDocument {
-    fn from(exemplar: &Exemplar) -> Self {
-        Self {
-            id: exemplar.id.clone(),
-            label: exemplar.label.clone(),
-            width_px: exemplar.width_px,
-            height_px: exemplar.height_px,
-            points: exemplar.points,
-        }
-    }
-}
-
-impl From<ExemplarDocument> for Exemplar {
-    fn from(document: ExemplarDocument) -> Self {
-        Self {
-            id: document.id,
-            label: document.label,
-            width_px: document.width_px,
-            height_px: document.height_px,
-            points: document.points,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::database::LandmarkReport;
     use crate::imaging::{Frame, Image};
-    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, describe};
+    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
+    use uuid::Uuid;
 
     /// Two exemplars of 40×40 with a disc and a square; few rings, so that the file is small.
     fn artifact() -> Artifact {
@@ -305,7 +282,7 @@ mod tests {
             digest: BlobName::of(b"inputs").to_string(),
             algorithm_revision: 1,
             counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
-            report: Report::from(&report),
+            report: Report::Landmarks(LandmarkReport::from(&report)),
             model: Model::Landmarks(landmarks),
         }
     }
@@ -315,7 +292,9 @@ mod tests {
         let written = artifact();
         let file = write(&written);
         let read = read(&file).unwrap();
-        let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model);
+        let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model) else {
+            panic!("a landmark database comes back as one")
+        };
         assert_eq!(before.to_parts(), after.to_parts());
         assert_eq!((read.digest.as_str(), read.counts), (written.digest.as_str(), written.counts));
         assert_eq!(write(&read), file);

@@ -1,0 +1,316 @@
+//! Databases of landmarks: which label has the most weight, and how much weight background alone collects.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::time::Instant;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::EvaluateError;
+use super::figures::{Confusion, Rate, Times, closing_rows, ms_since, row};
+use super::files::{Files, Skipped, UNKNOWN, read_frame};
+use super::options::document_of;
+use crate::database::options::Options;
+use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, Recognition, describe};
+
+/// A right answer among the first so many is still of use to a robot that looks twice.
+const TOP: usize = 5;
+
+/// Frames without a known object, and what they do to the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rejection {
+    /// How many there were.
+    pub frames: usize,
+    /// Queries named right with more weight than every one of these frames has for anything.
+    pub kept: Rate,
+    /// Probability that a query outweighs such a frame; a query named wrong counts as weight 0.
+    pub auroc: f64,
+}
+
+/// How well a trained database knew the queries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LandmarkEvaluation {
+    /// The options, as they are kept with a database.
+    pub options: Value,
+    /// Training images.
+    pub exemplars: usize,
+    /// Different labels among them.
+    pub labels: usize,
+    /// Coordinates of an eigenpoint.
+    pub dimension: usize,
+    /// Interest points of all training images.
+    pub interest_points: usize,
+    /// Named right.
+    pub top_1: Rate,
+    /// The right name among the first five.
+    pub top_5: Rate,
+    /// `None` without frames that show no known object.
+    pub rejection: Option<Rejection>,
+    /// What was taken for what, most frequent first.
+    pub confusion: Vec<Confusion>,
+    /// Labels of queries that nothing was trained for: their frames show no known object.
+    pub untrained_labels: Vec<String>,
+    /// Pictures that could not be read.
+    pub skipped: Vec<Skipped>,
+    /// From the bytes of a query to its pixels.
+    pub decode: Times,
+    /// From its pixels to the votes.
+    pub recognise: Times,
+    /// Describing and training, without decoding.
+    pub training_ms: f64,
+}
+
+/// Train and recognise.
+pub(super) fn evaluate(
+    options: &LandmarkOptions,
+    files: &Files,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<LandmarkEvaluation, EvaluateError> {
+    let Files { training, queries } = files;
+    let total = training.len() + queries.len();
+    let mut done = 0;
+    let mut skipped = Vec::new();
+
+    let mut training_ms = 0.0;
+    let mut exemplars = Vec::new();
+    for file in training {
+        let id = file.path.display().to_string();
+        if let (Some(label), Some((frame, _))) = (&file.label, read_frame(&file.path, &mut skipped)) {
+            let started = Instant::now();
+            exemplars.push(describe(ExemplarName { id, label: label.clone() }, &frame, options));
+            training_ms += ms_since(started);
+        }
+        done += 1;
+        progress(done, total);
+    }
+    let started = Instant::now();
+    let (model, report) =
+        Landmarks::train(exemplars, options).map_err(|source| EvaluateError::LandmarkTraining { source })?;
+    training_ms += ms_since(started);
+
+    let labels = model.labels();
+    let mut untrained = BTreeSet::new();
+    let mut judged = Vec::new();
+    let (mut decode_ms, mut recognise_ms) = (Vec::new(), Vec::new());
+    for file in queries {
+        if let Some((frame, took_ms)) = read_frame(&file.path, &mut skipped) {
+            let known = file.label.as_deref().filter(|label| labels.binary_search(label).is_ok());
+            if known.is_none() {
+                untrained.extend(file.label.clone());
+            }
+            let started = Instant::now();
+            let recognition = model.recognise(&frame, |_| ());
+            recognise_ms.push(ms_since(started));
+            decode_ms.push(took_ms);
+            judged.push(Judged::of(known, &recognition));
+        }
+        done += 1;
+        progress(done, total);
+    }
+    untrained.remove(UNKNOWN);
+
+    let (known, strange): (Vec<Judged>, Vec<Judged>) = judged.into_iter().partition(|j| j.shown.is_some());
+    let within = |most: usize| Rate::of(known.iter().filter(|j| j.rank < most).count(), known.len());
+    Ok(LandmarkEvaluation {
+        options: document_of(&Options::Landmarks(options.clone())),
+        exemplars: report.exemplars,
+        labels: report.labels,
+        dimension: report.dimension,
+        interest_points: report.interest_points,
+        top_1: within(1),
+        top_5: within(TOP),
+        rejection: rejection(&known, &strange),
+        confusion: Confusion::counted(
+            known
+                .iter()
+                .filter(|j| j.rank != 0)
+                .map(|j| (j.shown.clone().unwrap_or_default(), j.named.clone())),
+        ),
+        untrained_labels: untrained.into_iter().collect(),
+        skipped,
+        decode: Times::of(decode_ms),
+        recognise: Times::of(recognise_ms),
+        training_ms,
+    })
+}
+
+/// One query's answer against its truth.
+struct Judged {
+    shown: Option<String>,
+    named: Option<String>,
+    /// Place of the right label among the votes, from 0; [`usize::MAX`]: not among them.
+    rank: usize,
+    /// W of the best label.
+    weight: f64,
+}
+
+impl Judged {
+    fn of(shown: Option<&str>, recognition: &Recognition) -> Judged {
+        let votes = &recognition.votes;
+        let rank = votes.iter().position(|vote| Some(vote.label.as_str()) == shown);
+        Judged {
+            shown: shown.map(str::to_owned),
+            named: votes.first().map(|vote| vote.label.clone()),
+            rank: rank.unwrap_or(usize::MAX),
+            weight: votes.first().map_or(0.0, |vote| vote.weight),
+        }
+    }
+
+    /// W when it was named right, else 0.
+    fn right_weight(&self) -> f64 {
+        if self.rank == 0 { self.weight } else { 0.0 }
+    }
+}
+
+fn rejection(known: &[Judged], strange: &[Judged]) -> Option<Rejection> {
+    if strange.is_empty() || known.is_empty() {
+        return None;
+    }
+    let heaviest = strange.iter().map(|j| j.weight).fold(0.0, f64::max);
+    let kept = known.iter().filter(|j| j.right_weight() > heaviest).count();
+    let mut won = 0.0;
+    for a in known.iter().map(Judged::right_weight) {
+        for b in strange.iter().map(|j| j.weight) {
+            won += if a > b {
+                1.0
+            } else if a == b {
+                0.5
+            } else {
+                0.0
+            };
+        }
+    }
+    let auroc = won / (known.len() * strange.len()) as f64;
+    Some(Rejection { frames: strange.len(), kept: Rate::of(kept, known.len()), auroc })
+}
+
+impl fmt::Display for LandmarkEvaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        row(
+            f,
+            "trained",
+            &format_args!(
+                "{} pictures of {} labels, {} interest points, {} dimensions, {:.0} ms",
+                self.exemplars, self.labels, self.interest_points, self.dimension, self.training_ms
+            ),
+        )?;
+        row(f, "top-1", &self.top_1)?;
+        row(f, "top-5", &self.top_5)?;
+        if let Some(rejection) = &self.rejection {
+            let frames = rejection.frames;
+            row(f, "kept", &format_args!("{} above all of {frames} without a known object", rejection.kept))?;
+            row(f, "AUROC", &format_args!("{:.3} against these {frames}", rejection.auroc))?;
+        }
+        for (name, times) in [("decode", self.decode), ("recognise", self.recognise)] {
+            let Times { p50_ms, p95_ms } = times;
+            row(f, name, &format_args!("{p50_ms:.2} ms a picture (p95 {p95_ms:.2}), one thread"))?;
+        }
+        closing_rows(f, &self.confusion, &self.untrained_labels, &self.skipped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use super::super::files::training_and_queries;
+    use super::*;
+    use crate::imaging::encode::png_gray8;
+
+    /// A picture of 12 px cells whose greys depend on the seed alone.
+    fn write_picture(path: &Path, seed: usize) {
+        let size = 96;
+        let grey = |x: usize, y: usize| {
+            ((x / 12 + 8 * (y / 12) + 64 * seed + 1).wrapping_mul(2_654_435_761) >> 24) as u8
+        };
+        let pixels: Vec<u8> = (0..size * size).map(|i| grey(i % size, i / size)).collect();
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, png_gray8(size, size, &pixels)).unwrap();
+    }
+
+    fn evaluated(train_dir: &Path, queries: &Path) -> LandmarkEvaluation {
+        told_of(train_dir, queries, &mut |_, _| ())
+    }
+
+    fn told_of(
+        train_dir: &Path,
+        queries: &Path,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> LandmarkEvaluation {
+        let files = training_and_queries(train_dir, queries).unwrap();
+        evaluate(&LandmarkOptions::default(), &files, progress).unwrap()
+    }
+
+    #[test]
+    fn a_picture_is_recognised_as_itself_and_above_strange_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let (train, queries) = (folder.path().join("train"), folder.path().join("queries"));
+        for (n, label) in ["hall", "lab", "yard"].into_iter().enumerate() {
+            write_picture(&train.join(label).join("a.png"), n);
+            write_picture(&queries.join(label).join("b.PNG"), n);
+        }
+        write_picture(&queries.join("unknown/c.png"), 7);
+        write_picture(&queries.join("attic/d.png"), 8);
+        let mut told = Vec::new();
+        let evaluation = told_of(&train, &queries, &mut |done, total| told.push((done, total)));
+        assert_eq!(evaluation.top_1, Rate::of(3, 3));
+        assert_eq!(evaluation.top_5, Rate::of(3, 3));
+        let rejection = evaluation.rejection.as_ref().unwrap();
+        assert_eq!((rejection.frames, rejection.kept, rejection.auroc), (2, Rate::of(3, 3), 1.0));
+        assert_eq!(evaluation.untrained_labels, ["attic"]);
+        assert!(evaluation.confusion.is_empty() && evaluation.skipped.is_empty());
+        assert_eq!(told, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());
+        assert!(evaluation.to_string().contains("top-1         1.000 (3 of 3)"), "{evaluation}");
+    }
+
+    #[test]
+    fn a_wrong_label_shows_up_as_a_confused_pair() {
+        let folder = tempfile::tempdir().unwrap();
+        let (train, queries) = (folder.path().join("train"), folder.path().join("queries"));
+        for (n, label) in ["hall", "lab"].into_iter().enumerate() {
+            write_picture(&train.join(label).join("a.png"), n);
+            write_picture(&queries.join(label).join("b.png"), 0);
+        }
+        let evaluation = evaluated(&train, &queries);
+        assert_eq!(evaluation.top_1, Rate::of(1, 2));
+        let pair = Confusion { shown: "lab".into(), named: Some("hall".into()), times: 1 };
+        assert!(evaluation.to_string().contains("confused      lab as hall\n"), "{evaluation}");
+        assert_eq!(evaluation.confusion, [pair]);
+        assert_eq!(evaluation.rejection, None);
+    }
+
+    #[test]
+    fn a_broken_picture_is_named_and_skipped() {
+        let folder = tempfile::tempdir().unwrap();
+        write_picture(&folder.path().join("hall/a.png"), 1);
+        write_picture(&folder.path().join("lab/a.png"), 2);
+        fs::write(folder.path().join("lab/b.jpg"), b"not a picture").unwrap();
+        fs::write(folder.path().join("lab/notes.txt"), b"passed over").unwrap();
+        let evaluation = evaluated(folder.path(), folder.path());
+        assert_eq!(evaluation.top_1, Rate::of(2, 2));
+        assert_eq!(evaluation.skipped.len(), 2, "once in training, once as a query");
+        assert!(evaluation.skipped.iter().all(|s| s.file.ends_with("b.jpg")), "{:?}", evaluation.skipped);
+    }
+
+    #[test]
+    fn a_manifest_names_training_pictures_and_queries() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |file: &str| folder.path().join(file);
+        write_picture(&at("train/hall/a.png"), 1);
+        write_picture(&at("train/lab/a.png"), 2);
+        write_picture(&at("train/lab/not-listed.png"), 3);
+        write_picture(&at("queries/q0.png"), 1);
+        write_picture(&at("queries/q1.png"), 9);
+        let manifest = r#"{"settings": {}, "train": [{"file": "train/hall/a.png", "label": "hall"},
+            {"file": "train/lab/a.png", "label": "lab", "pose_deg": 0}],
+            "queries": [{"file": "queries/q0.png", "label": "hall"}, {"file": "queries/q1.png", "label": null}]}"#;
+        fs::write(at("manifest.json"), manifest).unwrap();
+        let evaluation = evaluated(&at("train"), &at("manifest.json"));
+        assert_eq!((evaluation.exemplars, evaluation.top_1), (2, Rate::of(1, 1)));
+        assert_eq!(evaluation.rejection.unwrap().frames, 1);
+        fs::rename(at("train"), at("elsewhere")).unwrap();
+        assert_eq!(evaluated(&at("elsewhere"), &at("manifest.json")).exemplars, 3);
+    }
+}

@@ -1,0 +1,158 @@
+//! The verb `evaluate`: train on a folder, recognise queries with known truth, say how often it was right.
+//!
+//! Works on the core directly, without server or store, on one thread. Rates always come with their number of
+//! trials. A query whose label was not trained (a folder `unknown`, a label `null`) shows no known object. One
+//! file a kind of database: what is asked of a kind differs.
+
+mod figures;
+mod files;
+mod landmarks;
+mod objects;
+mod options;
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::database::options::{DocumentError, Kind, Options};
+use crate::recognition;
+
+pub use figures::{Confusion, PoseErrors, Rate, Times, degrees_apart};
+pub use files::{LabelledFile, Skipped, labelled_files};
+pub use landmarks::{LandmarkEvaluation, Rejection};
+pub use objects::{ObjectEvaluation, ObjectPoses, Poses};
+
+/// Arguments of `landmarkd evaluate`.
+#[derive(Args, Clone, Debug)]
+pub struct EvaluateArgs {
+    /// What the database recognises by: landmarks, or objects (whole pictures, and the pose)
+    #[arg(long, value_name = "KIND", default_value = "landmarks", value_parser = kind_of_word)]
+    pub kind: Kind,
+    /// Training pictures: TRAIN_DIR/<label>/*.{png,jpg,jpeg,pgm,ppm}; a name NAME__DEGREES.png gives the pose
+    #[arg(value_name = "TRAIN_DIR")]
+    pub train_dir: PathBuf,
+    /// Queries: <label>/* likewise (a folder `unknown`: no known object), or a manifest of files and labels
+    #[arg(value_name = "QUERY_DIR|MANIFEST.json")]
+    pub queries: PathBuf,
+    /// An option of the database, as in PUT /v1/databases: --option interest_points=128 (may be repeated)
+    #[arg(long = "option", value_name = "NAME=VALUE")]
+    pub options: Vec<String>,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn kind_of_word(word: &str) -> Result<Kind, &'static str> {
+    Kind::parse(word).ok_or("the kinds are landmarks and objects")
+}
+
+impl EvaluateArgs {
+    /// The request that the arguments make.
+    ///
+    /// # Errors
+    /// [`EvaluateError`] naming the option that is unknown, of the wrong type, or impossible.
+    pub fn request(&self) -> Result<EvaluationRequest, EvaluateError> {
+        Ok(EvaluationRequest {
+            train_dir: self.train_dir.clone(),
+            queries: self.queries.clone(),
+            options: options::options_with(self.kind, &self.options)?,
+        })
+    }
+}
+
+/// What is to be evaluated.
+#[derive(Clone, Debug)]
+pub struct EvaluationRequest {
+    /// `<label>/*` to train on.
+    pub train_dir: PathBuf,
+    /// `<label>/*` to recognise, or a manifest file.
+    pub queries: PathBuf,
+    /// How to train, and which kind of database.
+    pub options: Options,
+}
+
+/// Why nothing could be evaluated.
+#[derive(Debug, Error)]
+pub enum EvaluateError {
+    #[error("--option {given:?} is not NAME=VALUE")]
+    NotAnOption { given: String },
+    #[error("there is no option {option:?}; the options are {known}")]
+    UnknownOption { option: String, known: String },
+    #[error("the option {option} can't be {value}")]
+    OptionType { option: String, value: Value, source: DocumentError },
+    #[error("the options can't be used together")]
+    Options { source: DocumentError },
+    #[error("can't read {}", .path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error("{} is no manifest: an object with lists `train` and `queries` of {{file, label}}", .path.display())]
+    Manifest { path: PathBuf, source: serde_json::Error },
+    #[error("{} holds no pictures in folders named by their labels", .path.display())]
+    NoPictures { path: PathBuf },
+    #[error("no model can be trained")]
+    LandmarkTraining { source: recognition::landmarks::TrainingError },
+    #[error("no model can be trained")]
+    ObjectTraining { source: recognition::objects::TrainingError },
+}
+
+/// How well a trained database knew the queries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Evaluation {
+    Landmarks(Box<LandmarkEvaluation>),
+    Objects(Box<ObjectEvaluation>),
+}
+
+impl fmt::Display for Evaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Evaluation::Landmarks(evaluation) => evaluation.fmt(f),
+            Evaluation::Objects(evaluation) => evaluation.fmt(f),
+        }
+    }
+}
+
+/// Train and recognise; `progress` is told (pictures done, all pictures).
+///
+/// # Errors
+/// [`EvaluateError`]; a single broken picture is none, it is named and skipped.
+pub fn evaluate(
+    request: &EvaluationRequest,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Evaluation, EvaluateError> {
+    let files = files::training_and_queries(&request.train_dir, &request.queries)?;
+    Ok(match &request.options {
+        Options::Landmarks(options) => {
+            Evaluation::Landmarks(Box::new(landmarks::evaluate(options, &files, progress)?))
+        }
+        Options::Objects(options) => {
+            Evaluation::Objects(Box::new(objects::evaluate(options, &files, progress)?))
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    fn parsed(words: &[&str]) -> Result<EvaluateArgs, clap::Error> {
+        let command = EvaluateArgs::augment_args(Command::new("evaluate"));
+        let matches = command.try_get_matches_from([&["evaluate", "train", "queries"], words].concat())?;
+        EvaluateArgs::from_arg_matches(&matches)
+    }
+
+    #[test]
+    fn the_kind_is_landmarks_unless_it_is_named() {
+        let kind = |words: &[&str]| parsed(words).unwrap().request().unwrap().options.kind();
+        assert_eq!(kind(&[]), Kind::Landmarks);
+        assert_eq!(kind(&["--kind", "objects", "--option", "dimension=12"]), Kind::Objects);
+        let refused = parsed(&["--kind", "faces"]).unwrap_err().to_string();
+        assert!(refused.contains("landmarks and objects"), "{refused}");
+    }
+}

@@ -1,0 +1,121 @@
+//! What a database of kind `objects` answers: candidates, and the pose of the object.
+
+use std::time::Duration;
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{Answer, DecisionBody, EvidenceBody, StagesBody, Wanted, ms};
+use crate::http::problem::Problem;
+use crate::imaging::Frame;
+use crate::recognition::objects::{Candidate, Objects, Pose, Stage, annotate};
+
+/// What speaks for the answer of an object database.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ObjectEvidence {
+    /// The objects that were looked at closely, the likeliest first.
+    pub candidates: Vec<CandidateBody>,
+    /// How the object is turned; null without a decision, when fewer than three exemplars differ in pose, or while the
+    /// version isn't calibrated.
+    pub pose: Option<PoseBody>,
+}
+
+/// An object that was looked at closely. Distances are between pictures of unit energy: 0 is equal, √2 nothing in
+/// common.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct CandidateBody {
+    pub label: String,
+    /// From the nearest point of the object's curve of views, in the eigenspace.
+    pub distance_in_space: f64,
+    /// What of the picture the eigenspace can't express.
+    pub distance_from_space: f64,
+    /// The largest total distance √(in² + from²) that is accepted as this object; null while it isn't calibrated.
+    pub threshold: Option<f64>,
+    /// By the covariance of the object's views; with `distance: "mahalanobis"` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mahalanobis: Option<f64>,
+}
+
+/// How an object is turned.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct PoseBody {
+    /// Turn about the vertical, in [0, 360).
+    pub turn_deg: f64,
+    /// Standard deviation to be expected.
+    pub sigma_deg: f64,
+    /// Whether the pose may be acted on.
+    pub reliable: bool,
+    /// Another pose that would look the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alternative_deg: Option<f64>,
+}
+
+/// The parts of a recognition by whole appearance, in milliseconds.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub struct ObjectStages {
+    /// The picture as a vector.
+    pub appearance: f64,
+    /// Projection into the universal eigenspace, and the eigenpoints near.
+    pub universal: f64,
+    /// The likeliest objects' own eigenspaces: which, and how turned.
+    pub object: f64,
+}
+
+impl From<&Candidate> for CandidateBody {
+    fn from(candidate: &Candidate) -> Self {
+        Self {
+            label: candidate.label.clone(),
+            distance_in_space: candidate.distance_in_space,
+            distance_from_space: candidate.distance_from_space,
+            threshold: candidate.threshold,
+            mahalanobis: candidate.mahalanobis,
+        }
+    }
+}
+
+impl From<Pose> for PoseBody {
+    fn from(pose: Pose) -> Self {
+        Self {
+            turn_deg: pose.turn_deg,
+            sigma_deg: pose.sigma_deg,
+            reliable: pose.reliable,
+            alternative_deg: pose.alternative_deg,
+        }
+    }
+}
+
+fn place(stage: Stage) -> usize {
+    match stage {
+        Stage::Appearance => 0,
+        Stage::Universal => 1,
+        Stage::Object => 2,
+    }
+}
+
+/// What the model says of the frame; `lap` gives the time since it was last asked.
+///
+/// # Errors
+/// The frame is not of the database's size, and `resize` is `never`.
+pub(super) fn answer(
+    frame: &Frame,
+    model: &Objects,
+    wanted: Wanted,
+    mut lap: impl FnMut() -> Duration,
+) -> Result<Answer, Problem> {
+    let mut clocked = ["appearance", "universal", "object"].map(|stage| (stage, Duration::ZERO));
+    let recognition = model.recognise(frame, |stage| clocked[place(stage)].1 = lap())?;
+    let [appearance, universal, object] = clocked.map(|(_, took)| ms(took));
+    let decision = recognition.decision.as_ref();
+    Ok(Answer {
+        decision: decision
+            .map(|decision| DecisionBody { label: decision.label.clone(), confidence: decision.confidence }),
+        warnings: recognition.warnings.iter().map(|warning| warning.code()).collect(),
+        evidence: EvidenceBody::Objects(ObjectEvidence {
+            candidates: recognition.candidates.iter().take(wanted.top).map(CandidateBody::from).collect(),
+            pose: decision.and_then(|decision| decision.pose).map(PoseBody::from),
+        }),
+        stages: StagesBody::Objects(ObjectStages { appearance, universal, object }),
+        clocked: clocked.into(),
+        annotated: wanted.annotated.then(|| annotate(frame, &recognition).into_png()),
+    })
+}

@@ -1,0 +1,233 @@
+//! The appearance of a picture: one vector of unit energy (B(7)), from pictures of one size.
+//!
+//! The text takes the pixels as they are. Here the picture is smoothed first, and then sampled no more densely than
+//! the smoothing leaves detail: an edge that moves by more than its own width between two views can't be
+//! interpolated, so raw pixels make a manifold of corners. Measured on 20 objects, 36 views each, other 36 asked: see
+//! `docs/papers.md`.
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+
+use super::options::{MAX_SIDE_PX, ObjectOptions, Resize};
+use crate::imaging::{Frame, Image, fitted};
+use crate::vision::smoothed;
+
+/// So many samples to a standard deviation of the smoothing: what they can't show is nearly gone.
+const SAMPLES_A_SIGMA: f64 = 1.5;
+/// Energy a pixel below which a picture is black: half a grey level in a hundred pixels.
+const LEAST_ENERGY: f64 = 0.0025;
+/// A pixel this bright has lost its detail, in a picture of 0..=255.
+const GLARE: f32 = 254.0;
+const MOST_GLARE: f64 = 0.05;
+/// A picture in which no hundredth of the pixels is brighter is under-exposed.
+const DIM: f32 = 48.0;
+const BRIGHTEST_PART: f64 = 0.01;
+
+/// The picture is not of the database's size, and `resize` is `never`.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error(
+    "the picture has {width_px}×{height_px} pixels; the database has pictures of {expected_width_px}×{expected_height_px}"
+)]
+pub struct SizeMismatch {
+    pub width_px: usize,
+    pub height_px: usize,
+    pub expected_width_px: usize,
+    pub expected_height_px: usize,
+}
+
+/// How pictures of a database become vectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Canvas {
+    /// Size of the database's pictures.
+    pub(super) width_px: usize,
+    pub(super) height_px: usize,
+    resize: Resize,
+    sigma_px: f64,
+    /// Sides of the squares of pixels that make one sample.
+    step_px: usize,
+}
+
+/// A picture as a vector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Appearance {
+    /// Of length one, row-major; all zero for a black picture.
+    pub vector: Vec<f32>,
+    /// The picture was not of the canvas' size.
+    pub resized: bool,
+    /// More than a twentieth of the pixels is as bright as can be.
+    pub over_exposed: bool,
+    /// Hardly a pixel reaches a fifth of the brightest.
+    pub under_exposed: bool,
+}
+
+impl Appearance {
+    /// Whether the picture is black.
+    pub fn is_blank(&self) -> bool {
+        self.vector.iter().all(|&v| v == 0.0)
+    }
+}
+
+/// The commonest width and height; of equally common ones the largest.
+pub fn common_size(sizes: impl IntoIterator<Item = (u32, u32)>) -> Option<(u32, u32)> {
+    let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+    for size in sizes {
+        *counts.entry(size).or_default() += 1;
+    }
+    counts.into_iter().max_by_key(|&(size, count)| (count, size)).map(|(size, _)| size)
+}
+
+impl Canvas {
+    /// The canvas of a database whose commonest picture has `size_px` (width, height): of the size that the options
+    /// name, or else of that one, shrunk to 1024 px a side.
+    pub fn new(options: &ObjectOptions, size_px: (u32, u32)) -> Canvas {
+        let (width, height) = (f64::from(size_px.0), f64::from(size_px.1));
+        let shrink = (MAX_SIDE_PX as f64 / width.max(height)).min(1.0);
+        let side = |length: f64| ((length * shrink).round() as usize).max(1);
+        let width_px = options.width_px.unwrap_or(side(width));
+        let height_px = options.height_px.unwrap_or(side(height));
+        let sigma_px = options.smoothing * width_px.max(height_px) as f64;
+        let step_px = ((sigma_px / SAMPLES_A_SIGMA) as usize).clamp(1, width_px.min(height_px).max(1));
+        Canvas { width_px, height_px, resize: options.resize, sigma_px, step_px }
+    }
+
+    /// Width and height of the picture that an appearance is: samples, not pixels.
+    pub fn samples(&self) -> (usize, usize) {
+        (self.width_px / self.step_px, self.height_px / self.step_px)
+    }
+
+    /// Components of an appearance.
+    pub fn length(&self) -> usize {
+        let (columns, rows) = self.samples();
+        columns * rows
+    }
+
+    /// The appearance of a picture: its luminance, in the canvas' size, smoothed, sampled, of unit energy.
+    pub fn appearance(&self, frame: &Frame) -> Result<Appearance, SizeMismatch> {
+        let luminance = &frame.luminance;
+        let resized = (luminance.width(), luminance.height()) != (self.width_px, self.height_px);
+        if resized && self.resize == Resize::Never {
+            return Err(SizeMismatch {
+                width_px: luminance.width(),
+                height_px: luminance.height(),
+                expected_width_px: self.width_px,
+                expected_height_px: self.height_px,
+            });
+        }
+        let (over_exposed, under_exposed) = exposure(luminance);
+        let smooth = match resized {
+            true => smoothed(&fitted(luminance, self.width_px, self.height_px), self.sigma_px as f32),
+            false => smoothed(luminance, self.sigma_px as f32),
+        };
+        let mut vector = self.sampled(&smooth);
+        let energy = vector.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>();
+        // B(7)
+        let scale = if energy > LEAST_ENERGY * vector.len() as f64 { 1.0 / energy.sqrt() } else { 0.0 };
+        vector.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
+        Ok(Appearance { vector, resized, over_exposed, under_exposed })
+    }
+
+    /// The mean of each square of pixels; what is left of a square at the right and lower border is not sampled.
+    fn sampled(&self, image: &Image) -> Vec<f32> {
+        if self.step_px == 1 {
+            return image.pixels().to_vec();
+        }
+        let (columns, rows) = self.samples();
+        let mut samples = vec![0.0; columns * rows];
+        for (y, out) in samples.chunks_exact_mut(columns).enumerate() {
+            for row in 0..self.step_px {
+                let squares = image.row(y * self.step_px + row).chunks_exact(self.step_px);
+                out.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square.iter().sum::<f32>());
+            }
+        }
+        let pixels = self.step_px.pow(2) as f32;
+        samples.iter_mut().for_each(|sum| *sum /= pixels);
+        samples
+    }
+}
+
+/// Whether the picture is over-exposed, and whether it is under-exposed. A dark ground is neither.
+fn exposure(luminance: &Image) -> (bool, bool) {
+    let pixels = luminance.pixels();
+    let part =
+        |bright: f32| pixels.iter().filter(|&&v| v >= bright).count() as f64 / pixels.len().max(1) as f64;
+    (part(GLARE) > MOST_GLARE, part(DIM) < BRIGHTEST_PART)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blob(width: usize, height: usize, brightness: f32) -> Frame {
+        Frame::gray(Image::from_fn(width, height, |x, y| {
+            let (dx, dy) = (x as f32 - 0.4 * width as f32, y as f32 - 0.6 * height as f32);
+            brightness * (-(dx * dx + 2.0 * dy * dy) / (0.05 * (width * height) as f32)).exp()
+        }))
+    }
+
+    fn apart(a: &Appearance, b: &Appearance) -> f32 {
+        a.vector.iter().zip(&b.vector).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt()
+    }
+
+    #[test]
+    fn brightness_does_not_matter() {
+        let canvas = Canvas::new(&ObjectOptions::default(), (64, 48));
+        let bright = canvas.appearance(&blob(64, 48, 240.0)).unwrap();
+        let dark = canvas.appearance(&blob(64, 48, 60.0)).unwrap();
+        assert!(apart(&bright, &dark) < 1e-5);
+        assert!((bright.vector.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-5);
+        let black = canvas.appearance(&blob(64, 48, 0.0)).unwrap();
+        assert!(black.vector.iter().all(|&v| v == 0.0) && black.under_exposed);
+    }
+
+    #[test]
+    fn smoothing_takes_samples_away_and_none_takes_none() {
+        let smooth = Canvas::new(&ObjectOptions::default(), (128, 128));
+        assert_eq!(smooth.samples(), (64, 64));
+        let raw = Canvas::new(&ObjectOptions { smoothing: 0.0, ..ObjectOptions::default() }, (128, 96));
+        assert_eq!(raw.samples(), (128, 96));
+        let frame = blob(128, 96, 200.0);
+        let raw = raw.appearance(&frame).unwrap();
+        let energy = frame.luminance.pixels().iter().map(|v| v * v).sum::<f32>().sqrt();
+        assert!((raw.vector[5000] - frame.luminance.pixels()[5000] / energy).abs() < 1e-6);
+    }
+
+    #[test]
+    fn another_size_is_fitted_or_refused() {
+        let options = ObjectOptions { width_px: Some(64), height_px: Some(48), ..ObjectOptions::default() };
+        let fit = Canvas::new(&options, (9, 9));
+        let twice = fit.appearance(&blob(128, 96, 200.0)).unwrap();
+        let once = fit.appearance(&blob(64, 48, 200.0)).unwrap();
+        assert!(twice.resized && !once.resized);
+        // half a pixel between the two drawings
+        assert!(apart(&twice, &once) < 0.05, "{}", apart(&twice, &once));
+        let never = Canvas::new(&ObjectOptions { resize: Resize::Never, ..options }, (9, 9));
+        let error = never.appearance(&blob(128, 96, 200.0)).unwrap_err();
+        assert_eq!((error.width_px, error.expected_height_px), (128, 48));
+    }
+
+    #[test]
+    fn the_commonest_size_is_found() {
+        assert_eq!(common_size([(5, 5), (9, 8), (5, 5)]), Some((5, 5)));
+        assert_eq!(common_size([(5, 5), (9, 8)]), Some((9, 8)));
+        assert_eq!(common_size([]), None);
+    }
+
+    #[test]
+    fn large_pictures_are_shrunk() {
+        let canvas = Canvas::new(&ObjectOptions::default(), (4000, 2000));
+        assert_eq!((canvas.width_px, canvas.height_px), (1024, 512));
+        assert!(canvas.length() < 10_000, "{}", canvas.length());
+        assert_eq!(Canvas::new(&ObjectOptions::default(), (65_535, 1)).samples().1, 1);
+    }
+
+    #[test]
+    fn exposure_is_told() {
+        let canvas = Canvas::new(&ObjectOptions::default(), (32, 32));
+        let glare = Image::from_fn(32, 32, |x, _| if x < 8 { 255.0 } else { 20.0 });
+        assert!(canvas.appearance(&Frame::gray(glare)).unwrap().over_exposed);
+        let good = canvas.appearance(&blob(32, 32, 200.0)).unwrap();
+        assert!(!good.over_exposed && !good.under_exposed);
+        assert!(canvas.appearance(&blob(32, 32, 30.0)).unwrap().under_exposed);
+    }
+}

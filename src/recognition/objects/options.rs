@@ -1,0 +1,129 @@
+//! The options of an object database; each says where the text of paper B has it.
+
+use crate::recognition::OptionFault;
+
+/// What becomes of a picture that is not of the database's size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resize {
+    /// It is scaled to fit, centred on black, and the answer or report says so.
+    Fit,
+    /// It is refused.
+    Never,
+}
+
+/// Coordinates of an eigenpoint in the universal eigenspace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// The least that recognises held-out views as well as any.
+    Auto,
+    /// So many, or as many as there are.
+    Fixed(usize),
+}
+
+/// Which eigenspaces answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stages {
+    /// B§5: the universal eigenspace proposes objects, each one's own eigenspace settles which, and how turned.
+    UniversalThenObject,
+    /// B§6: the universal eigenspace alone, for small sets.
+    UniversalOnly,
+}
+
+/// How the eigenpoints near a query are found; the answers are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// A k-d tree: the fastest up to some ten thousand views.
+    KdTree,
+    /// B Fig. 8 (Nene and Nayar): sorted coordinates, cut by two hyperplanes an axis.
+    Slabs,
+    /// All of them.
+    Exhaustive,
+}
+
+/// By what the universal eigenspace orders objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distance {
+    /// B(14): the distance to an object's nearest eigenpoint.
+    Euclidean,
+    /// B(15): the distance to an object's mean by the covariance of its eigenpoints.
+    Mahalanobis,
+}
+
+/// All options of an object database.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectOptions {
+    /// Size of the database's pictures, 8..=1024 px; `None`: the commonest size among the exemplars,
+    /// shrunk to 1024 px a side. Both or neither.
+    pub width_px: Option<usize>,
+    /// As `width_px`.
+    pub height_px: Option<usize>,
+    /// What becomes of a picture of another size.
+    pub resize: Resize,
+    /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side, 0..=0.1.
+    /// The paper does not smooth: 0. See [`ObjectOptions::SMOOTHING`].
+    pub smoothing: f64,
+    /// Coordinates of an eigenpoint in the universal eigenspace.
+    pub dimension: Dimension,
+    /// Which eigenspaces answer.
+    pub stages: Stages,
+    /// How eigenpoints are found.
+    pub search: Search,
+    /// By what objects are ordered.
+    pub distance: Distance,
+    /// Part of the known objects that is to be accepted, 0.5..=0.9999 (B(16) leaves the threshold open).
+    pub accept: f64,
+}
+
+/// Most pixels a side of a database's pictures.
+pub const MAX_SIDE_PX: usize = 1024;
+/// Most coordinates of the universal eigenspace.
+pub const MAX_DIMENSION: usize = 256;
+
+impl ObjectOptions {
+    /// 3 px of 128.
+    pub const SMOOTHING: f64 = 3.0 / 128.0;
+
+    /// Everything that is wrong with the options, all at once; empty if they can be used.
+    pub fn faults(&self) -> Vec<OptionFault> {
+        let mut faults = Vec::new();
+        let mut fault = |option, message| faults.push(OptionFault { option, message });
+        for (option, side) in [("width_px", self.width_px), ("height_px", self.height_px)] {
+            if let Some(side) = side.filter(|side| !(8..=MAX_SIDE_PX).contains(side)) {
+                fault(option, format!("{side} is not in 8..={MAX_SIDE_PX}"));
+            }
+        }
+        match (self.width_px, self.height_px) {
+            (Some(_), None) => fault("height_px", "must be given with width_px".to_owned()),
+            (None, Some(_)) => fault("width_px", "must be given with height_px".to_owned()),
+            _ => {}
+        }
+        if !(0.0..=0.1).contains(&self.smoothing) {
+            fault("smoothing", format!("{} is not in 0..=0.1", self.smoothing));
+        }
+        if let Dimension::Fixed(dimension) = self.dimension
+            && !(1..=MAX_DIMENSION).contains(&dimension)
+        {
+            fault("dimension", format!("{dimension} is not in 1..={MAX_DIMENSION}, nor auto"));
+        }
+        if !(0.5..=0.9999).contains(&self.accept) {
+            fault("accept", format!("{} is not in 0.5..=0.9999", self.accept));
+        }
+        faults
+    }
+}
+
+impl Default for ObjectOptions {
+    fn default() -> Self {
+        ObjectOptions {
+            width_px: None,
+            height_px: None,
+            resize: Resize::Fit,
+            smoothing: ObjectOptions::SMOOTHING,
+            dimension: Dimension::Auto,
+            stages: Stages::UniversalThenObject,
+            search: Search::KdTree,
+            distance: Distance::Euclidean,
+            accept: 0.97,
+        }
+    }
+}
