@@ -155,15 +155,21 @@ pub(super) struct Trial {
     pub own: Option<f64>,
     /// Whether its own object was among the likeliest: those alone are looked at closely.
     is_likely: bool,
-    /// The nearest other object, and how far it is.
+    /// The other object that would be answered, and how far it is.
     pub other: Option<(usize, f64)>,
+    /// Where the order of the universal eigenspace decides: whether its own object comes first.
+    own_is_first: Option<bool>,
 }
 
 impl Trial {
-    /// The nearest object of all.
+    /// The object that would be answered if it is accepted.
     pub fn nearest(&self) -> Option<(usize, f64)> {
         let own = self.own.filter(|_| self.is_likely).map(|own| (self.object, own));
-        own.into_iter().chain(self.other).min_by(|a, b| a.1.total_cmp(&b.1))
+        match self.own_is_first {
+            Some(true) => own,
+            Some(false) => self.other,
+            None => own.into_iter().chain(self.other).min_by(|a, b| a.1.total_cmp(&b.1)),
+        }
     }
 }
 
@@ -227,19 +233,21 @@ impl Lesson {
             .map(|view| {
                 let object = neighbourhood.owner[view];
                 let vector = &rows[view * length..][..length];
-                let near = neighbourhood.nearest_objects(view, model.objects.len());
+                let (point, outside) = model.universal.locate(vector);
+                let mut near = neighbourhood.nearest_objects(view, model.objects.len());
+                // a view that is left out is still part of its object's covariance
+                model.order_by_covariance(&mut near, &point);
                 let is_likely = near.iter().take(CANDIDATES).any(|(found, _)| *found == object);
                 let own = held_out[view].distance.map(|d| d * self.shrink.sqrt());
-                let (point, outside) = model.universal.locate(vector);
-                let other = near
-                    .iter()
-                    .filter(|(found, _)| *found != object)
-                    .take(CANDIDATES)
-                    .map(|&(found, _)| {
+                let mut others =
+                    near.iter().filter(|(found, _)| *found != object).take(CANDIDATES).map(|&(found, _)| {
                         (found, model.objects[found].closeness(vector, (&point, outside)).total())
-                    })
-                    .min_by(|a, b| a.1.total_cmp(&b.1));
-                Trial { object, own, is_likely, other }
+                    });
+                let (other, own_is_first) = match model.order_stands() {
+                    true => (others.next(), near.first().map(|(first, _)| *first == object)),
+                    false => (others.min_by(|a, b| a.1.total_cmp(&b.1)), None),
+                };
+                Trial { object, own, is_likely, other, own_is_first }
             })
             .collect()
     }

@@ -1,7 +1,5 @@
 //! A trained object database: an immutable value that recognises pictures.
 
-use std::cmp::Ordering;
-
 use super::appearance::{Canvas, SizeMismatch};
 use super::calibration::Calibration;
 use super::object::{Closeness, KnownObject};
@@ -98,8 +96,7 @@ impl Objects {
                 (object, mahalanobis, closeness)
             })
             .collect();
-        // B§6: with the universal eigenspace alone its own order stands
-        if !(self.options.stages == Stages::UniversalOnly && self.covariances.is_some()) {
+        if !self.order_stands() {
             close.sort_by(|a, b| a.2.total().total_cmp(&b.2.total()));
         }
         let decision = close.first().and_then(|(object, _, closeness)| {
@@ -139,16 +136,28 @@ impl Objects {
         let near = if is_near { near } else { self.vicinity.within(point, f64::INFINITY) };
         let mut seen = vec![false; self.objects.len()];
         let owners = near.iter().map(|neighbour| self.owner[neighbour.index]);
-        let mut found: Vec<(usize, Option<f64>)> = owners
+        let mut found: Vec<(usize, f64)> = owners
             .filter(|&object| !std::mem::replace(&mut seen[object], true)) // B(14)
-            .map(|object| (object, None))
+            .map(|object| (object, 0.0))
             .collect();
-        if let Some(covariances) = &self.covariances {
-            found.iter_mut().for_each(|(object, at)| *at = Some(covariances[*object].distance(point))); // B(15)
-            found.sort_by(|a, b| a.1.partial_cmp(&b.1).unwrap_or(Ordering::Equal));
-        }
+        self.order_by_covariance(&mut found, point);
         found.truncate(CANDIDATES);
-        (found, is_near)
+        let is_measured = self.covariances.is_some();
+        let found = found.into_iter().map(|(object, at)| (object, is_measured.then_some(at)));
+        (found.collect(), is_near)
+    }
+
+    /// B(15): with `distance: "mahalanobis"` objects are ordered by it, and each gets its distance.
+    pub(super) fn order_by_covariance(&self, found: &mut [(usize, f64)], point: &[f32]) {
+        if let Some(covariances) = &self.covariances {
+            found.iter_mut().for_each(|(object, at)| *at = covariances[*object].distance(point));
+            found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        }
+    }
+
+    /// B§6: whether that order decides, with the universal eigenspace alone.
+    pub(super) fn order_stands(&self) -> bool {
+        self.options.stages == Stages::UniversalOnly && self.covariances.is_some()
     }
 
     /// B(16): the largest total distance that is accepted as an object.
@@ -257,6 +266,11 @@ mod tests {
             ObjectOptions::default(),
             ObjectOptions { stages: Stages::UniversalOnly, ..ObjectOptions::default() },
             ObjectOptions { distance: Distance::Mahalanobis, ..ObjectOptions::default() },
+            ObjectOptions {
+                stages: Stages::UniversalOnly,
+                distance: Distance::Mahalanobis,
+                ..ObjectOptions::default()
+            },
         ] {
             let (right, worst) = between_views(&trained(turntable(4, 15, &options), &options));
             assert!(right == 48 && worst < 2.0, "{options:?}: {right} of 48, worst {worst}°");
