@@ -60,13 +60,7 @@ impl Eigenspace {
     /// Returns the eigenspace and the whole spectrum: variances (over n − 1), descending, min(n, length)
     /// of them. Null directions are dropped, so the dimension kept may be smaller than asked.
     pub fn fit(rows: &[f32], length: usize, dimension: usize) -> Result<(Eigenspace, Vec<f64>), EigenError> {
-        if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
-            return Err(EigenError::Shape { values: rows.len(), length });
-        }
-        if !rows.iter().all(|v| v.is_finite()) {
-            return Err(EigenError::NotFinite);
-        }
-        let count = rows.len() / length;
+        let count = counted(rows, length)?;
         let mean = mean(rows, length);
         let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
         let through_gram = count < length;
@@ -114,13 +108,7 @@ impl Eigenspace {
         length: usize,
         dimension: usize,
     ) -> Result<(Eigenspace, Vec<f64>), EigenError> {
-        if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
-            return Err(EigenError::Shape { values: rows.len(), length });
-        }
-        if !rows.iter().all(|v| v.is_finite()) {
-            return Err(EigenError::NotFinite);
-        }
-        let count = rows.len() / length;
+        let count = counted(rows, length)?;
         let mean = mean(rows, length);
         let degrees = count.saturating_sub(1).max(1) as f64;
         let squares = rows.chunks(CHUNK_ROWS * length).flat_map(|chunk| centred(chunk, &mean));
@@ -323,6 +311,17 @@ fn seeded(rows: usize, columns: usize) -> Mat<f64> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     })
+}
+
+/// How many vectors there are: whole ones, of finite components.
+fn counted(rows: &[f32], length: usize) -> Result<usize, EigenError> {
+    if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
+        return Err(EigenError::Shape { values: rows.len(), length });
+    }
+    match rows.iter().all(|v| v.is_finite()) {
+        true => Ok(rows.len() / length),
+        false => Err(EigenError::NotFinite),
+    }
 }
 
 fn mean(rows: &[f32], length: usize) -> Vec<f64> {

@@ -67,7 +67,8 @@ pub struct ConfusionBody {
     pub times: u64,
 }
 
-/// Each view in turn was left out and shown, and was shown to a database without its object.
+/// Each view in turn was left out of its object and shown, and was shown to the other objects alone. The threshold was
+/// chosen on the same views: others may fare worse.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct HeldOutBody {
     /// Views of objects with at least two.
@@ -76,7 +77,7 @@ pub struct HeldOutBody {
     pub known_accepted: u64,
     /// Of these, named right.
     pub known_right: u64,
-    /// Views shown to a database without their object.
+    /// Views shown to the other objects alone.
     pub unknown: u64,
     /// Of these, refused.
     pub unknown_refused: u64,

@@ -79,7 +79,7 @@ pub struct HeldOut {
     pub known_accepted: usize,
     /// … accepted, and named right.
     pub known_right: usize,
-    /// Views shown to a database without their object; 0 if there is only one object.
+    /// Views shown to the other objects alone; 0 if there is only one object.
     pub unknown: usize,
     /// … refused.
     pub unknown_refused: usize,
