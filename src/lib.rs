@@ -8,6 +8,7 @@ pub mod compute;
 pub mod config;
 pub mod database;
 pub mod demo;
+pub mod depth;
 pub mod eigen;
 pub mod evaluate;
 pub mod http;

@@ -9,35 +9,41 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which rooms a room may use. The rooms that only wire may use all.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("imaging", &[]),
     ("vision", &["imaging"]),
     ("eigen", &[]),
+    ("depth", &["vision", "eigen", "imaging"]),
     ("recognition", &["vision", "eigen", "imaging"]),
     ("store", &[]),
     ("compute", &[]),
     ("config", &[]),
     // Settings say how log lines are written.
     ("telemetry", &["config"]),
-    ("database", &["recognition", "store", "compute", "telemetry"]),
+    ("database", &["recognition", "depth", "store", "compute", "telemetry"]),
     // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
     // described.
-    ("jobs", &["database", "store", "recognition", "imaging", "compute", "telemetry"]),
+    ("jobs", &["database", "store", "recognition", "depth", "imaging", "compute", "telemetry"]),
     // Of the store, only the errors that problems are made of (see DOORS).
-    ("http", &["database", "jobs", "compute", "config", "telemetry", "imaging", "recognition", "store"]),
+    (
+        "http",
+        &["database", "jobs", "compute", "config", "telemetry", "imaging", "recognition", "depth", "store"],
+    ),
 ];
 
 /// Rooms that wire the others together.
 const WIRING: [&str; 5] = ["lib", "main", "serve", "demo", "evaluate"];
 
 /// Where a word may stand: folders or files of `src`.
-const DOORS: [(&str, &[&str]); 27] = [
+const DOORS: [(&str, &[&str]); 29] = [
     ("image::", &["imaging"]),
-    ("embedded_graphics", &["imaging/overlay.rs"]),
-    ("rustfft", &["vision/signature.rs"]),
+    ("embedded_graphics", &["imaging"]),
+    ("colorous", &["imaging/false_colour.rs"]),
+    ("libm", &["depth"]),
+    ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
     ("kiddo", &["eigen"]),
-    ("pulp", &["vision", "eigen"]),
+    ("pulp", &["vision", "eigen", "depth"]),
     ("sqlx", &["store"]),
     ("object_store", &["store"]),
     ("blake3", &["store"]),
@@ -64,7 +70,7 @@ const DOORS: [(&str, &[&str]); 27] = [
 ];
 
 /// Rooms of values in, values out.
-const PURE: [&str; 4] = ["imaging", "vision", "eigen", "recognition"];
+const PURE: [&str; 5] = ["imaging", "vision", "eigen", "depth", "recognition"];
 
 /// What the pure rooms never mention.
 const IMPURE: [&str; 17] = [

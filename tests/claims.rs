@@ -8,6 +8,8 @@
 mod composites;
 #[path = "claims/data.rs"]
 mod data;
+#[path = "claims/depth.rs"]
+mod depth;
 #[path = "claims/objects.rs"]
 mod objects;
 #[path = "claims/places.rs"]

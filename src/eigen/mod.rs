@@ -4,10 +4,12 @@
 pub mod eigenspace;
 pub mod mahalanobis;
 pub mod neighbours;
+pub mod symmetric;
 mod tree;
 pub mod vicinity;
 
 pub use eigenspace::{EigenError, Eigenspace};
 pub use mahalanobis::ClassCovariance;
 pub use neighbours::{EigenpointIndex, Neighbour};
+pub use symmetric::Symmetric;
 pub use vicinity::{Vicinity, Way};

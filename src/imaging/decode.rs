@@ -73,17 +73,34 @@ pub struct Header {
     pub height_px: u32,
     /// Whether the file holds colour.
     pub colour: bool,
+    /// Bits a sample as decoded: 8 or 16; fewer than 8 become 8.
+    pub bits: u8,
 }
 
 /// Planes of `f32` that finding interest points holds at most: smoothed, gradient x and y, three of edges, the map.
 const WORKING_PLANES: u64 = 7;
 
+/// Planes of `f32` that a depth map holds at most for each of its two pictures: forty for one, at full size, where the
+/// blur is so small that nothing is halved (some ten for registration and brightness, some sixty for filters, their
+/// products and windows, some ten for what is judged).
+const DEPTH_PLANES: u64 = 40;
+
 impl Header {
     /// The memory that the picture takes while it is decoded and worked on: 8-bit samples as decoded, the [`Frame`]
     /// (one `f32` plane, or four for a colour file), and the planes of attention.
     pub fn working_bytes(&self) -> u64 {
+        self.bytes_with(WORKING_PLANES)
+    }
+
+    /// The same for one of the two pictures that a depth map is made of.
+    pub fn depth_bytes(&self) -> u64 {
+        self.bytes_with(DEPTH_PLANES)
+    }
+
+    /// Samples as decoded, the frame, and so many planes more.
+    fn bytes_with(&self, more_planes: u64) -> u64 {
         let (samples, planes) = if self.colour { (3, 4) } else { (1, 1) };
-        let bytes_per_pixel = samples + size_of::<f32>() as u64 * (planes + WORKING_PLANES);
+        let bytes_per_pixel = samples + size_of::<f32>() as u64 * (planes + more_planes);
         u64::from(self.width_px) * u64::from(self.height_px) * bytes_per_pixel
     }
 }
@@ -120,8 +137,9 @@ fn png_header(bytes: &[u8]) -> Option<Header> {
     let (width, rest) = chunk.split_first_chunk()?;
     let (height, rest) = rest.split_first_chunk()?;
     let colour = rest.get(1).is_some_and(|kind| COLOUR_TYPES.contains(kind));
+    let bits = if rest.first() == Some(&16) { 16 } else { 8 };
     let (width_px, height_px) = (u32::from_be_bytes(*width), u32::from_be_bytes(*height));
-    Some(Header { format: Format::Png, width_px, height_px, colour })
+    Some(Header { format: Format::Png, width_px, height_px, colour, bits })
 }
 
 /// Hold a size against the limits.
@@ -199,8 +217,10 @@ fn opened<'a>(
         return Err(DecodeError::TooMuchMemory { needed_bytes, max_alloc_bytes: limits.max_alloc_bytes });
     }
     let orientation = decoder.orientation().map_err(|error| refused(error, limits))?;
-    let colour = decoder.color_type().has_color();
-    Ok((decoder, Header { format, width_px, height_px, colour }, orientation))
+    let samples = decoder.color_type();
+    let bits = if samples.bytes_per_pixel() > samples.channel_count() { 16 } else { 8 };
+    let header = Header { format, width_px, height_px, colour: samples.has_color(), bits };
+    Ok((decoder, header, orientation))
 }
 
 fn refused(error: ImageError, limits: &DecodeLimits) -> DecodeError {
@@ -364,6 +384,15 @@ mod tests {
             let planes = if frame.is_colour() { 4 } else { 1 };
             assert!(header.working_bytes() > (frame.width() * frame.height() * planes * 4) as u64);
         }
+    }
+
+    #[test]
+    fn the_header_tells_bits_a_sample() {
+        let bits = |bytes: &[u8]| read_header(bytes, &LIMITS).unwrap().bits;
+        assert_eq!(bits(&png(1, 1, &[0, 0], ExtendedColorType::L16)), 16);
+        assert_eq!(bits(&png(1, 1, &[0, 0, 0], ExtendedColorType::Rgb8)), 8);
+        assert_eq!((bits(b"P5 1 1 65535\n\0\0"), bits(b"P5 1 1 255\n\0"), bits(b"P4 1 1\n\0")), (16, 8, 8));
+        assert_eq!(bits(&jpeg(8, 8, None)), 8);
     }
 
     #[test]

@@ -48,6 +48,11 @@ impl Image {
         self.pixels.iter().map(|v| v.round().clamp(0.0, 255.0) as u8).collect()
     }
 
+    /// The mean of all pixels; 0 for an image without any.
+    pub fn mean(&self) -> f64 {
+        self.pixels.iter().map(|&v| f64::from(v)).sum::<f64>() / self.pixels.len().max(1) as f64
+    }
+
     /// All pixels, row-major, to be written.
     pub fn pixels_mut(&mut self) -> &mut [f32] {
         &mut self.pixels
@@ -81,6 +86,12 @@ mod tests {
     fn bytes_are_rounded_and_held_in_their_range() {
         let image = Image::new(5, 1, vec![-3.0, 0.4, 127.5, 300.0, f32::NAN]);
         assert_eq!(image.to_gray8(), [0, 0, 128, 255, 0]);
+    }
+
+    #[test]
+    fn the_mean_is_that_of_all_pixels() {
+        assert_eq!(Image::new(2, 2, vec![1.0, 2.0, 3.0, 5.0]).mean(), 2.75);
+        assert_eq!(Image::new(0, 0, vec![]).mean(), 0.0);
     }
 
     #[test]

@@ -1,15 +1,20 @@
-//! Pictures: one concrete image type, decoding under limits, PNG out, evidence drawn on a frame.
+//! Pictures: one concrete image type, decoding under limits, PNG, arrays and point clouds out, evidence drawn on a
+//! frame, numbers in false colours.
 //!
 //! Pixels are `f32` grey levels 0..=255, row-major; x right, y down, the origin at the centre of the
 //! top-left pixel. One type without a pixel parameter: every operator of both papers works on real
 //! numbers, and a single monomorphic plane keeps the arithmetic readable and vectorisable. The outside
 //! image codec and the drawing crate are known to this room alone.
 
+mod canvas;
 pub mod decode;
 pub mod encode;
+pub mod false_colour;
 pub mod frame;
 pub mod image;
+pub mod npy;
 pub mod overlay;
+pub mod ply;
 pub mod resize;
 
 pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, read_header};

@@ -3,8 +3,6 @@
 //! Coordinates are those of the frame (x right, y down, pixel centres at whole numbers), also where a
 //! small frame is enlarged so that words are legible.
 
-use std::convert::Infallible;
-
 use embedded_graphics::mono_font::iso_8859_1::{FONT_6X10, FONT_10X20};
 use embedded_graphics::mono_font::{MonoFont, MonoTextStyleBuilder};
 use embedded_graphics::pixelcolor::Rgb888;
@@ -12,6 +10,7 @@ use embedded_graphics::prelude::*;
 use embedded_graphics::primitives::{Circle, Line, PrimitiveStyle};
 use embedded_graphics::text::{Baseline, Text};
 
+use super::canvas::{Canvas, rgb};
 use super::{Frame, encode};
 
 /// Below this width a frame is enlarged: some 50 letters of the small font side by side.
@@ -121,44 +120,6 @@ impl Overlay {
             at.round().clamp(-MAX_COORDINATE_PX, MAX_COORDINATE_PX) as i32
         };
         (x_px.is_finite() && y_px.is_finite()).then(|| Point::new(scaled(x_px), scaled(y_px)))
-    }
-}
-
-fn rgb([red, green, blue]: [u8; 3]) -> Rgb888 {
-    Rgb888::new(red, green, blue)
-}
-
-/// Interleaved bytes r, g, b, row-major.
-struct Canvas {
-    width: usize,
-    height: usize,
-    pixels: Vec<u8>,
-}
-
-impl Canvas {
-    /// Colour one pixel, if it is inside.
-    fn put(&mut self, Point { x, y }: Point, colour: Rgb888) {
-        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
-        if x < self.width && y < self.height {
-            let at = 3 * (y * self.width + x);
-            self.pixels[at..at + 3].copy_from_slice(&[colour.r(), colour.g(), colour.b()]);
-        }
-    }
-}
-
-impl OriginDimensions for Canvas {
-    fn size(&self) -> Size {
-        Size::new(self.width as u32, self.height as u32)
-    }
-}
-
-impl DrawTarget for Canvas {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
-        pixels.into_iter().for_each(|Pixel(point, colour)| self.put(point, colour));
-        Ok(())
     }
 }
 

@@ -42,10 +42,10 @@ pub fn smoothed(image: &Image, sigma_px: f32) -> Image {
 }
 
 /// `out` = k₀·centre + Σ kᵢ·(before + after), in the order of the kernel.
-struct WeightedPairs<'a, T> {
-    out: &'a mut [f32],
-    kernel: &'a [f32],
-    taps: T,
+pub(crate) struct WeightedPairs<'a, T> {
+    pub(crate) out: &'a mut [f32],
+    pub(crate) kernel: &'a [f32],
+    pub(crate) taps: T,
 }
 
 impl<'a, T: Iterator<Item = (&'a [f32], &'a [f32])>> WithSimd for WeightedPairs<'_, T> {
@@ -77,7 +77,7 @@ fn kernel(sigma_px: f32) -> Vec<f32> {
 }
 
 /// The index inside 0..`length` that a position outside mirrors; the border pixel is not repeated.
-pub(super) fn mirrored(position: isize, length: usize) -> usize {
+pub(crate) fn mirrored(position: isize, length: usize) -> usize {
     if length == 1 {
         return 0;
     }

@@ -1,0 +1,76 @@
+//! A focal pair of 512 × 480 pixels: each method, and its stages. Decoding both PNG files is the baseline.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use landmarkd::depth::scene::{Camera, Relief, Scene, Texture};
+use landmarkd::depth::{
+    Aperture, Calibration, DepthOptions, Estimator, Method, NearSensor, Optics, OpticsSpec, Stage, Window,
+};
+use landmarkd::imaging::{DecodeLimits, decode};
+
+fn depth(criterion: &mut Criterion) {
+    let optics = Optics::new(&OpticsSpec {
+        focal_length_mm: 35.0,
+        aperture: Aperture::FNumber(8.0),
+        near_sensor: NearSensor::FocusMm(500.0),
+        plane_separation_mm: 0.4,
+        pixel_pitch_um: 10.0,
+        telecentric: true,
+        principal_point_px: None,
+    })
+    .unwrap();
+    let camera = Camera { width: 512, height: 480, ..Camera::new(optics) };
+    let seen = camera.photograph(&Scene::new(Relief::Slant, Texture::Gravel, 1));
+    let (pair, files) = (seen.pair().unwrap(), seen.pngs());
+    let calibration = Calibration::of(optics);
+    let made = |method, window| {
+        Estimator::new(&calibration, &DepthOptions { method, window, ..DepthOptions::default() }).unwrap()
+    };
+    let gram = made(Method::Gram, Window::Auto);
+    let cases = [
+        ("gram", gram.clone()),
+        ("gram, one window", made(Method::Gram, Window::Px(4.0))),
+        ("stm", made(Method::Stm, Window::Auto)),
+    ];
+
+    let mut group = criterion.benchmark_group("depth");
+    group.sample_size(20);
+    group.bench_function("baseline: decode both", |bencher| {
+        bencher
+            .iter(|| files.each_ref().map(|file| decode(black_box(file), &DecodeLimits::default()).unwrap()));
+    });
+    group.bench_function("design the kernels", |bencher| bencher.iter(|| made(Method::Gram, Window::Auto)));
+    for (name, estimator) in &cases {
+        group.bench_function(*name, |bencher| {
+            bencher.iter(|| estimator.estimate(black_box(&pair), &mut |_| {}).unwrap());
+        });
+    }
+    for (name, stage) in [
+        ("gram: register", Stage::Register),
+        ("gram: match", Stage::Match),
+        ("gram: estimate", Stage::Estimate),
+        ("gram: judge", Stage::Judge),
+    ] {
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|rounds| {
+                let mut all = Duration::ZERO;
+                for _ in 0..rounds {
+                    let mut since = Instant::now();
+                    gram.estimate(black_box(&pair), &mut |done| {
+                        let took = since.elapsed();
+                        since = Instant::now();
+                        all += if done == stage { took } else { Duration::ZERO };
+                    })
+                    .unwrap();
+                }
+                all
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, depth);
+criterion_main!(benches);

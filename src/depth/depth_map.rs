@@ -1,0 +1,163 @@
+//! A depth map: distance, expected error and flags of every pixel of the near-focused picture, and what it says as a
+//! whole.
+
+use super::Optics;
+
+/// Why a pixel has no depth: one bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Flag {
+    /// Too little to go by: an expected error above 2 % of the range, or no more detail than noise.
+    LowTexture = 1,
+    /// Full scale within 8 px in either picture.
+    Saturated = 2,
+    /// |β| above 1.05.
+    OutOfRange = 4,
+    /// No one depth explains the window: occlusion, motion, misregistration, glint.
+    Inconsistent = 8,
+    /// The filters don't fit into the picture here.
+    Border = 16,
+    /// A second depth explains the window nearly as well.
+    Ambiguous = 32,
+}
+
+impl Flag {
+    /// Every flag, by its bit.
+    pub const ALL: [Flag; 6] = [
+        Flag::LowTexture,
+        Flag::Saturated,
+        Flag::OutOfRange,
+        Flag::Inconsistent,
+        Flag::Border,
+        Flag::Ambiguous,
+    ];
+
+    /// Its bit in a pixel's flags.
+    pub const fn bit(self) -> u8 {
+        self as u8
+    }
+
+    /// Its name in the contract.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Flag::LowTexture => "low_texture",
+            Flag::Saturated => "saturated",
+            Flag::OutOfRange => "out_of_range",
+            Flag::Inconsistent => "inconsistent",
+            Flag::Border => "border",
+            Flag::Ambiguous => "ambiguous",
+        }
+    }
+}
+
+/// A doubt about the whole map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Warning {
+    /// The pictures were more than 0.25 px apart, and were brought together.
+    Shifted,
+    /// No shift could be looked for: the texture doesn't fix one.
+    ShiftUnknown,
+    /// The pictures' brightness differs by more than 3 %.
+    GainOff,
+    /// More than a fifth of the pixels with texture are inconsistent.
+    ManyInconsistent,
+    /// Fewer than 5 % of the pixels have a depth.
+    LowCoverage,
+    /// The scales of the pictures say that near and far are exchanged.
+    NearFarSwapped,
+}
+
+impl Warning {
+    /// Its word in the contract.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Warning::Shifted => "shifted",
+            Warning::ShiftUnknown => "shift_unknown",
+            Warning::GainOff => "gain_off",
+            Warning::ManyInconsistent => "many_inconsistent",
+            Warning::LowCoverage => "low_coverage",
+            Warning::NearFarSwapped => "near_far_swapped",
+        }
+    }
+}
+
+/// The least, the middle and the largest depth, in mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthSpan {
+    pub min: f64,
+    pub median: f64,
+    pub max: f64,
+}
+
+/// What a depth map says as a whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The distance that the near-focused picture is focused at, in mm.
+    pub near_focus_mm: f64,
+    /// The distance that the far-focused picture is focused at, in mm.
+    pub far_focus_mm: f64,
+    /// Part of the pixels that have a depth.
+    pub coverage: f64,
+    /// `None` if no pixel has a depth.
+    pub depth: Option<DepthSpan>,
+    /// Noise of a picture in grey levels of 255, estimated from the residual (`gram` only).
+    pub noise_sigma: Option<f64>,
+    /// By how much the far-focused picture was displaced and has been moved back, x and y.
+    pub shift_px: [f64; 2],
+    /// What the far-focused picture was multiplied by: the median over the picture.
+    pub gain: f64,
+    /// Pixels with each flag, in the order of [`Flag::ALL`].
+    pub flag_counts: [u64; 6],
+    pub warnings: Vec<Warning>,
+}
+
+/// Distances of the pixels of the near-focused picture, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMap {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) depth_mm: Vec<f32>,
+    pub(super) sigma_mm: Vec<f32>,
+    pub(super) flags: Vec<u8>,
+    pub(super) optics: Optics,
+    pub summary: Summary,
+}
+
+impl DepthMap {
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Distance along the optical axis in mm, row-major; NaN where a flag is set.
+    pub fn depth_mm(&self) -> &[f32] {
+        &self.depth_mm
+    }
+
+    /// Expected standard deviation of each depth in mm; NaN where there is none (the method has no model of its error,
+    /// or there is nothing to go by).
+    pub fn sigma_mm(&self) -> &[f32] {
+        &self.sigma_mm
+    }
+
+    /// Flags of each pixel, the bits of [`Flag`]; 0 where there is a depth.
+    pub fn flags(&self) -> &[u8] {
+        &self.flags
+    }
+
+    /// The pixels with a depth, in reading order: index of the pixel, and the point of the scene in mm, x right, y down,
+    /// z away from the lens along the optical axis.
+    pub fn points_mm(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let centre = self.optics.principal_point(self.width, self.height);
+        let known = self.depth_mm.iter().enumerate().filter(|(_, depth)| depth.is_finite());
+        known.map(move |(at, &depth)| {
+            let pixel = [(at % self.width) as f64, (at / self.width) as f64];
+            (at, self.optics.point_mm(pixel, centre, f64::from(depth)))
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! Two pictures of one scene, focused near and far.
+
+use thiserror::Error;
+
+use crate::imaging::{Frame, Image};
+
+/// Why two pictures are no focal pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum PairError {
+    #[error(
+        "the near-focused picture is {near_width_px}×{near_height_px} px, the far-focused one {far_width_px}×{far_height_px}"
+    )]
+    SizeMismatch { near_width_px: usize, near_height_px: usize, far_width_px: usize, far_height_px: usize },
+    #[error("both pictures are the same, pixel for pixel")]
+    Identical,
+    #[error("the pictures are {width_px}×{height_px} px; depth needs {least_px} px a side or more")]
+    TooSmall { width_px: usize, height_px: usize, least_px: usize },
+}
+
+/// Two luminances of one size and the pixels that are cut off at full scale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FocalPair {
+    pub(super) near: Image,
+    pub(super) far: Image,
+    /// Where the near and the far picture reach full scale, row-major.
+    pub(super) saturated: [Vec<bool>; 2],
+    /// Bits a sample of the coarser picture.
+    pub(super) bits: u8,
+}
+
+/// Shorter sides hold no window.
+const LEAST_SIDE_PX: usize = 16;
+/// Full scale of every plane, whatever its bits.
+const FULL_SCALE: f32 = 255.0;
+
+impl FocalPair {
+    /// The pair of a near- and a far-focused picture of `bits` bits a sample.
+    ///
+    /// # Errors
+    /// [`PairError`]: sizes that differ or are too small, or one picture twice.
+    pub fn new(near: Frame, far: Frame, bits: u8) -> Result<FocalPair, PairError> {
+        let (width_px, height_px) = (near.width(), near.height());
+        if (width_px, height_px) != (far.width(), far.height()) {
+            return Err(PairError::SizeMismatch {
+                near_width_px: width_px,
+                near_height_px: height_px,
+                far_width_px: far.width(),
+                far_height_px: far.height(),
+            });
+        }
+        if width_px.min(height_px) < LEAST_SIDE_PX {
+            return Err(PairError::TooSmall { width_px, height_px, least_px: LEAST_SIDE_PX });
+        }
+        if near.luminance == far.luminance {
+            return Err(PairError::Identical);
+        }
+        let saturated = [&near, &far].map(|frame| {
+            let mut saturated = vec![false; width_px * height_px];
+            let planes = frame.rgb.as_ref().map_or(std::slice::from_ref(&frame.luminance), |rgb| rgb);
+            for plane in planes {
+                for (mark, &level) in saturated.iter_mut().zip(plane.pixels()) {
+                    *mark |= level >= FULL_SCALE;
+                }
+            }
+            saturated
+        });
+        Ok(FocalPair { near: near.luminance, far: far.luminance, saturated, bits })
+    }
+
+    /// Width of both in pixels.
+    pub fn width(&self) -> usize {
+        self.near.width()
+    }
+
+    /// Height of both in pixels.
+    pub fn height(&self) -> usize {
+        self.near.height()
+    }
+
+    /// The middle of both, of at most this many pixels a side.
+    pub(super) fn middle(&self, side_px: usize) -> FocalPair {
+        let (width, height) = (self.width().min(side_px), self.height().min(side_px));
+        let (left, top) = ((self.width() - width) / 2, (self.height() - height) / 2);
+        let part = |image: &Image| Image::from_fn(width, height, |x, y| image.at(left + x, top + y));
+        let marks = |marks: &Vec<bool>| {
+            let rows = (top..top + height).map(|y| &marks[y * self.width() + left..][..width]);
+            rows.flatten().copied().collect()
+        };
+        FocalPair {
+            near: part(&self.near),
+            far: part(&self.far),
+            saturated: self.saturated.each_ref().map(marks),
+            bits: self.bits,
+        }
+    }
+
+    /// Luminance of the near-focused picture, whose geometry the depth map has.
+    pub fn near(&self) -> &Image {
+        &self.near
+    }
+}

@@ -1,0 +1,40 @@
+//! Metric depth from a near- and a far-focused picture (B§4): optics, registration, three estimators, calibration.
+//!
+//! Lengths in mm from the lens' principal plane, pixels as everywhere: x right, y down, the origin at the centre of
+//! the top-left one. A depth is the distance along the optical axis. Grey levels are 0..=255 and linear in light. β in
+//! [−1, 1] says where between the two sensors a point is sharp: +1 on the near-focused one, −1 on the far-focused one.
+
+mod brightness;
+mod calibration;
+mod depth_map;
+mod estimate;
+mod estimator;
+mod fault;
+mod filtering;
+mod focal_pair;
+mod gram;
+mod judging;
+mod kernels;
+mod laplacian;
+mod monotone;
+mod optics;
+mod options;
+mod otf;
+mod registration;
+mod resampling;
+pub mod scene;
+mod stm;
+mod sweep;
+mod windows;
+
+pub use calibration::{
+    Calibration, Filters, ImageSize, Noise, Photometric, Registration, RegistrationError, RegistrationTarget,
+    Residual, Table,
+};
+pub use depth_map::{DepthMap, DepthSpan, Flag, Summary, Warning};
+pub use estimator::{EstimateError, Estimator, EstimatorError, Stage};
+pub use fault::Fault;
+pub use focal_pair::{FocalPair, PairError};
+pub use optics::{Aperture, NearSensor, Optics, OpticsSpec};
+pub use options::{DepthOptions, Median, Method, Window};
+pub use sweep::{MAX_PLANES, MIN_PLANES, Sweep, SweepError};

@@ -1,0 +1,436 @@
+//! Focal pairs of scenes whose depth is known: what a camera with given optics would photograph.
+//!
+//! The scene's light is a smooth function (a cubic B-spline over samples half a pixel apart). Each sample spreads over a
+//! disc of its own, each pixel gathers the light of its square, and a nearer surface covers what is behind it, its
+//! blurred edge in part. An ordinary lens images the far-focused picture smaller, about the principal point. Everything
+//! follows from the scene's seed.
+
+mod point_spread;
+mod random;
+mod relief;
+mod spline;
+mod texture;
+
+use point_spread::{Canvas, FINE, PointSpreads};
+use random::Random;
+pub use relief::Relief;
+pub use texture::Texture;
+
+use super::{FocalPair, Optics, PairError};
+use crate::imaging::{Frame, Image, encode};
+
+/// What stands before the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scene {
+    pub relief: Relief,
+    pub texture: Texture,
+    /// Standard deviation of the texture's light, in grey levels of 255; its mean is 120.
+    pub contrast: f64,
+    /// Whether a few glints shine beyond full scale.
+    pub glints: bool,
+    /// Of the texture and of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Scene {
+    /// A scene of contrast 40 without glints.
+    pub fn new(relief: Relief, texture: Texture, seed: u64) -> Scene {
+        Scene { relief, texture, contrast: 40.0, glints: false, seed }
+    }
+}
+
+/// What the scene is photographed with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub optics: Optics,
+    /// Width of both pictures in pixels.
+    pub width: usize,
+    /// Height of both pictures in pixels.
+    pub height: usize,
+    /// Standard deviation of a pixel's noise, in grey levels of 255.
+    pub noise: f64,
+    /// Bits a sample: 8 or 16.
+    pub bits: u8,
+    /// How much brighter the far-focused picture is.
+    pub far_gain: f64,
+    /// By how much the far-focused picture's content is displaced, x and y.
+    pub far_shift_px: [f64; 2],
+}
+
+impl Camera {
+    /// A camera of 256 × 240 pixels with 8 bits, noise of one grey level, and sensors alike.
+    pub fn new(optics: Optics) -> Camera {
+        Camera { optics, width: 256, height: 240, noise: 1.0, bits: 8, far_gain: 1.0, far_shift_px: [0.0; 2] }
+    }
+
+    /// Photograph a scene.
+    ///
+    /// # Panics
+    /// If a surface stands within the focal length, or the bits are neither 8 nor 16: faults of the program that
+    /// describes the scene.
+    pub fn photograph(&self, scene: &Scene) -> Rendered {
+        assert!(matches!(self.bits, 8 | 16), "8 or 16 bits a sample, not {}", self.bits);
+        let size = [self.width, self.height];
+        let (surface, depth_mm) = (0..self.width * self.height)
+            .map(|at| {
+                let place = [(at % self.width) as f64, (at / self.width) as f64];
+                let (surface, share) = scene.relief.seen(place, size);
+                (surface, self.depth_mm(share))
+            })
+            .unzip();
+        let margin_px = self.margin_px(scene);
+        let [columns, rows] = size.map(|side| FINE * (side + 2 * margin_px));
+        let mut texture = scene.texture.drawn(columns, rows, scene.contrast, scene.seed);
+        if scene.glints {
+            self.add_glints(&mut texture, margin_px, scene.seed);
+        }
+        let light = spline::coefficients(texture);
+        let spreads = &mut PointSpreads::default();
+        let [near, far] = [0, 1].map(|sensor| self.exposed(sensor, scene, &light, margin_px, spreads));
+        let random = &mut Random::new(scene.seed, 2);
+        let full = f64::from(u16::MAX >> (16 - self.bits));
+        let level = |light: f32, noise: f64| {
+            let grey = f64::from(light) + self.noise * noise;
+            (grey / 255.0 * full).round().clamp(0.0, full) as u16
+        };
+        let (near, far) = near
+            .into_iter()
+            .zip(far)
+            .map(|(near, far)| {
+                let [near_noise, far_noise] = random.normals();
+                (level(near, near_noise), level(far * self.far_gain as f32, far_noise))
+            })
+            .unzip();
+        Rendered { width: self.width, height: self.height, bits: self.bits, near, far, depth_mm, surface }
+    }
+
+    fn depth_mm(&self, share: f64) -> f64 {
+        self.optics.near_focus_mm() + share * self.optics.range_mm()
+    }
+
+    /// How much of the scene beyond the picture is drawn: what sends light into it, with room for a far-focused picture
+    /// that is smaller or displaced. In steps of 16 px, so that most cameras see one texture.
+    fn margin_px(&self, scene: &Scene) -> usize {
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]]
+            .map(|[x, y]| [x * (self.width - 1), y * (self.height - 1)].map(|v| v as f64));
+        let middle = [self.width / 2, self.height / 2].map(|v| v as f64);
+        let places = corners.iter().chain([&middle]);
+        let blurs = places.flat_map(|&place| {
+            let share = scene.relief.share(0, place, [self.width, self.height]).unwrap_or(0.5);
+            self.optics.blur_diameters_px(self.optics.beta(self.depth_mm(share)))
+        });
+        let blur_px = blurs.fold(self.optics.largest_blur_px(), |most, blur| most.max(blur.abs()));
+        let shift_px = self.far_shift_px[0].abs().max(self.far_shift_px[1].abs());
+        let wider_px = self.width.max(self.height) as f64 * (1.0 / self.optics.far_scale() - 1.0);
+        ((0.6 * blur_px + shift_px + wider_px + 4.0) / 16.0).ceil() as usize * 16
+    }
+
+    /// The light that falls on the pixels of the near- (0) or the far-focused (1) sensor, in grey levels.
+    fn exposed(
+        &self,
+        sensor: usize,
+        scene: &Scene,
+        light: &Image,
+        margin_px: usize,
+        spreads: &mut PointSpreads,
+    ) -> Vec<f32> {
+        let (columns, rows) = (light.width(), light.height());
+        let (scale, shift_px) = match sensor {
+            0 => (1.0, [0.0; 2]),
+            _ => (self.optics.far_scale(), self.far_shift_px),
+        };
+        let centre = self.optics.principal_point(self.width, self.height);
+        let sample_px = |at: usize| (at as f64 + 0.5) / FINE as f64 - 0.5 - margin_px as f64;
+        let sample_at = |px: f64| (px + 0.5 + margin_px as f64) * FINE as f64 - 0.5;
+        // Where this sensor's samples look in the near-focused picture.
+        let looks =
+            |at: usize, axis: usize| centre[axis] + (sample_px(at) - shift_px[axis] - centre[axis]) / scale;
+        let look_x: Vec<f64> = (0..columns).map(|column| looks(column, 0)).collect();
+        let look_y: Vec<f64> = (0..rows).map(|row| looks(row, 1)).collect();
+        let size = [self.width, self.height];
+        // Two discs, the sample's and that of what hides it, and the pixels and samples themselves.
+        let hidden_px = self.optics.largest_blur_px() + 6.0;
+        let mut picture = vec![0.0; self.width * self.height];
+        for surface in 0..scene.relief.surfaces() {
+            // Every surface shows another part of the texture.
+            let part = [37 * FINE * surface, 53 * FINE * surface];
+            let own = if scale == 1.0 && shift_px == [0.0; 2] {
+                Image::from_fn(columns, rows, |x, y| light.at((x + part[0]) % columns, (y + part[1]) % rows))
+            } else {
+                spline::coefficients(Image::from_fn(columns, rows, |x, y| {
+                    let [at_x, at_y] = [sample_at(look_x[x]), sample_at(look_y[y])];
+                    spline::value_at(light, at_x + part[0] as f64, at_y + part[1] as f64)
+                }))
+            };
+            let mut diameters = vec![f32::NAN; columns * rows]; // NaN where the surface isn't, or can't be seen
+            for (at, diameter) in diameters.iter_mut().enumerate() {
+                let place = [look_x[at % columns], look_y[at / columns]];
+                if let Some(share) = scene.relief.share(surface, place, size)
+                    && !scene.relief.hides(surface, place, hidden_px, size)
+                {
+                    let beta = self.optics.beta(self.depth_mm(share));
+                    *diameter = self.optics.blur_diameters_px(beta)[sensor].abs() as f32;
+                    spreads.prepare(*diameter);
+                }
+            }
+            let edge_px = spreads.reach_px() + margin_px;
+            let [mut lit, mut covered] = [(); 2].map(|()| Canvas::new(self.width, self.height, edge_px));
+            for (at, &diameter) in diameters.iter().enumerate().filter(|(_, diameter)| !diameter.is_nan()) {
+                let place = [at % columns, at / columns];
+                let share = 1.0 / (FINE * FINE) as f32;
+                spreads.spread(&mut lit, place, margin_px, diameter, share * own.pixels()[at]);
+                if surface > 0 {
+                    spreads.spread(&mut covered, place, margin_px, diameter, share);
+                }
+            }
+            for (pixel, (light, covered)) in picture.iter_mut().zip(lit.picture().zip(covered.picture())) {
+                *pixel = *pixel * (1.0 - covered.min(1.0)) + light / covered.max(1.0);
+            }
+        }
+        picture
+    }
+
+    /// Five small sources, far brighter than what the sensor holds.
+    fn add_glints(&self, texture: &mut Image, margin_px: usize, seed: u64) {
+        let random = &mut Random::new(seed, 3);
+        let width = texture.width();
+        for _ in 0..5 {
+            let [x, y] = [self.width, self.height]
+                .map(|side| (margin_px as f64 + random.between(0.15, 0.85) * side as f64) * FINE as f64);
+            let radius = random.between(2.0, 5.0) * FINE as f64;
+            for (at, value) in texture.pixels_mut().iter_mut().enumerate() {
+                if ((at % width) as f64 - x).hypot((at / width) as f64 - y) < radius {
+                    *value = 900.0;
+                }
+            }
+        }
+    }
+}
+
+/// Both pictures of a scene, and the truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// Width of both pictures in pixels.
+    pub width: usize,
+    /// Height of both pictures in pixels.
+    pub height: usize,
+    /// Bits a sample.
+    pub bits: u8,
+    /// Samples of the near-focused picture, row-major.
+    pub near: Vec<u16>,
+    /// Samples of the far-focused picture, row-major.
+    pub far: Vec<u16>,
+    /// Distance along the optical axis of what each pixel of the near-focused picture shows, in mm.
+    pub depth_mm: Vec<f64>,
+    /// Which surface each of its pixels shows.
+    surface: Vec<usize>,
+}
+
+impl Rendered {
+    /// The pair as it is when its files have been read.
+    ///
+    /// # Errors
+    /// As of [`FocalPair::new`].
+    pub fn pair(&self) -> Result<FocalPair, PairError> {
+        let full = f32::from(u16::MAX >> (16 - self.bits));
+        let frame = |samples: &[u16]| {
+            let levels = samples.iter().map(|&sample| f32::from(sample) * 255.0 / full).collect();
+            Frame::gray(Image::new(self.width, self.height, levels))
+        };
+        FocalPair::new(frame(&self.near), frame(&self.far), self.bits)
+    }
+
+    /// The near- and the far-focused picture as PNG files.
+    pub fn pngs(&self) -> [Vec<u8>; 2] {
+        [&self.near, &self.far].map(|samples| {
+            if self.bits == 16 {
+                return encode::png_gray16(self.width, self.height, samples);
+            }
+            let bytes: Vec<u8> = samples.iter().map(|&sample| sample as u8).collect();
+            encode::png_gray8(self.width, self.height, &bytes)
+        })
+    }
+
+    /// The pixels within a distance of a step in depth, row-major.
+    pub fn near_step(&self, distance_px: f64) -> Vec<bool> {
+        let mut marks = vec![false; self.surface.len()];
+        let reach = distance_px.ceil() as i64;
+        let within = |at: usize, step: i64, side: usize| {
+            let there = at as i64 + step;
+            (0..side as i64).contains(&there).then_some(there as usize)
+        };
+        for at in 0..self.surface.len() {
+            let (x, y) = (at % self.width, at / self.width);
+            let right = x + 1 < self.width && self.surface[at] != self.surface[at + 1];
+            let below = y + 1 < self.height && self.surface[at] != self.surface[at + self.width];
+            if !right && !below {
+                continue;
+            }
+            // The step lies between two pixels.
+            let (step_x, step_y) = (0.5 * f64::from(right), 0.5 * f64::from(below));
+            for (down, across) in (-reach..=reach + 1).flat_map(|v| (-reach..=reach + 1).map(move |u| (v, u)))
+            {
+                let near = (down as f64 - step_y).hypot(across as f64 - step_x) <= distance_px;
+                if let (true, Some(y), Some(x)) =
+                    (near, within(y, down, self.height), within(x, across, self.width))
+                {
+                    marks[y * self.width + x] = true;
+                }
+            }
+        }
+        marks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::{Aperture, NearSensor, OpticsSpec};
+
+    fn optics(telecentric: bool) -> Optics {
+        let spec = OpticsSpec {
+            focal_length_mm: 35.0,
+            aperture: Aperture::FNumber(8.0),
+            near_sensor: NearSensor::FocusMm(500.0),
+            plane_separation_mm: 0.4,
+            pixel_pitch_um: 10.0,
+            telecentric,
+            principal_point_px: None,
+        };
+        Optics::new(&spec).unwrap()
+    }
+
+    fn small(telecentric: bool) -> Camera {
+        Camera { width: 64, height: 48, noise: 0.0, bits: 16, ..Camera::new(optics(telecentric)) }
+    }
+
+    /// What a sensor sees of a scene whose only light is the sample at `x`, `y`, counted from the picture's corner.
+    fn spot(camera: &Camera, sensor: usize, relief: Relief, [x, y]: [usize; 2]) -> Vec<f32> {
+        let scene = Scene::new(relief, Texture::Plain, 1);
+        let margin = camera.margin_px(&scene);
+        let [columns, rows] = [camera.width, camera.height].map(|side| FINE * (side + 2 * margin));
+        let light = Image::from_fn(columns, rows, |column, row| {
+            let lit = column == x + FINE * margin && row == y + FINE * margin;
+            f32::from(lit) * 800.0
+        });
+        let light = spline::coefficients(light);
+        camera.exposed(sensor, &scene, &light, margin, &mut PointSpreads::default())
+    }
+
+    /// Light, mean x and variance along x of what a sensor sees of the four samples of a pixel, each about its own place.
+    fn moments(camera: &Camera, sensor: usize, relief: Relief, [x, y]: [usize; 2]) -> [f64; 3] {
+        let [mut light, mut mean, mut variance] = [0.0; 3];
+        for sample in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let picture = spot(camera, sensor, relief, [FINE * x + sample[0], FINE * y + sample[1]]);
+            let from = x as f64 - 0.25 + 0.5 * sample[0] as f64;
+            for (at, value) in picture.into_iter().enumerate() {
+                let (value, off) = (f64::from(value), (at % camera.width) as f64 - from);
+                light += value / 4.0;
+                mean += value * off / 800.0;
+                variance += value * off * off / 800.0;
+            }
+        }
+        let (mean, variance) = (mean * 200.0 / light, variance * 200.0 / light);
+        [light, mean, variance - mean * mean]
+    }
+
+    #[test]
+    fn a_point_is_spread_as_the_optics_say() {
+        for share in [0.0, 0.1, 0.5, 1.0, 2.5] {
+            let camera = small(true);
+            let diameters = camera.optics.blur_diameters_px(camera.optics.beta(camera.depth_mm(share)));
+            for (sensor, diameter_px) in diameters.into_iter().enumerate() {
+                let [light, mean, variance] = moments(&camera, sensor, Relief::Plane { share }, [32, 20]);
+                // The disc and the pixel's square.
+                let theory = diameter_px.powi(2) / 16.0 + 1.0 / 12.0;
+                assert!((light - 200.0).abs() < 0.1 && mean.abs() < 1e-3, "{light}, {mean}");
+                let told = format!("{diameter_px:.2} px: {variance:.4}, not {theory:.4} px²");
+                assert!((variance - theory).abs() < 0.002, "{told}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_ordinary_lens_images_the_far_picture_smaller() {
+        let camera = small(false);
+        let [_, moved, _] = moments(&camera, 1, Relief::Plane { share: 0.5 }, [57, 20]);
+        let expected = (57.0 - 31.5) * (camera.optics.far_scale() - 1.0);
+        assert!((moved - expected).abs() < 0.003, "{moved}, not {expected}");
+        assert!(expected < -0.2);
+    }
+
+    #[test]
+    fn the_far_picture_is_displaced_and_brighter_as_asked() {
+        let camera = Camera { far_shift_px: [0.4, -0.7], ..small(true) };
+        let [_, moved, _] = moments(&camera, 1, Relief::Plane { share: 0.9 }, [32, 20]);
+        assert!((moved - 0.4).abs() < 0.003, "{moved}");
+        let scene = Scene::new(Relief::Slant, Texture::Plain, 1);
+        let rendered = Camera { far_gain: 0.5, ..camera }.photograph(&scene);
+        assert!(rendered.far.iter().all(|&sample| sample.abs_diff(60 * 257) < 30));
+    }
+
+    #[test]
+    fn a_plain_surface_is_plain_wherever_it_stands() {
+        // A scene this small is steep: where the slope changes, discs of growing size don't quite make a whole.
+        let reliefs =
+            [(Relief::Slant, 0.1), (Relief::Cone, 4.0), (Relief::Staircase, 0.1), (Relief::Sphere, 0.6)];
+        for (relief, most_levels) in reliefs {
+            let rendered = small(false).photograph(&Scene::new(relief, Texture::Plain, 1));
+            for (picture, samples) in [("near", &rendered.near), ("far", &rendered.far)] {
+                let off = |sample: &u16| (f64::from(*sample) / 257.0 - 120.0).abs();
+                let off_levels = samples.iter().map(off).fold(0.0, f64::max);
+                assert!(off_levels < most_levels, "{relief:?}, {picture}: off by {off_levels} levels");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_nearer_covers_what_is_behind_it() {
+        let camera = Camera { width: 128, height: 128, ..small(true) };
+        let middle = 64 * camera.width + 64;
+        // The spot is on the farthest surface alone; the ball looks elsewhere.
+        for (relief, seen) in [(Relief::Plane { share: 0.85 }, true), (Relief::Sphere, false)] {
+            let picture = spot(&camera, 1, relief, [FINE * 64, FINE * 64]);
+            let light = picture[middle];
+            assert!(if seen { light > 5.0 } else { light.abs() < 0.2 }, "{relief:?}: {light}");
+        }
+    }
+
+    #[test]
+    fn one_seed_makes_one_scene() {
+        let textures = [
+            Texture::Noise,
+            Texture::Gravel,
+            Texture::Grass,
+            Texture::Dots { period_px: 4.0 },
+            Texture::Stripes { period_px: 10.0 },
+        ];
+        let camera = Camera { noise: 1.0, bits: 8, ..small(true) };
+        for texture in textures {
+            let scene = Scene::new(Relief::Slant, texture, 7);
+            let (once, again) = (camera.photograph(&scene), camera.photograph(&scene));
+            assert_eq!(once, again);
+            let other = camera.photograph(&Scene { seed: 8, ..scene });
+            assert_ne!(once.near, other.near, "{texture:?}");
+            let [near_png, _] = once.pngs();
+            let decoded = crate::imaging::decode(&near_png, &Default::default()).unwrap();
+            assert_eq!(&decoded.luminance, once.pair().unwrap().near(), "{texture:?}");
+        }
+    }
+
+    #[test]
+    fn depth_and_its_steps_are_told() {
+        let camera = small(true);
+        let rendered = camera.photograph(&Scene::new(Relief::Staircase, Texture::Noise, 1));
+        let share =
+            |x: usize| (rendered.depth_mm[x] - camera.optics.near_focus_mm()) / camera.optics.range_mm();
+        assert!((share(0) - 0.1).abs() < 1e-9 && (share(63) - 0.9).abs() < 1e-9);
+        // The first two steps lie between the pixels 10 and 11, 20 and 21.
+        let marks = rendered.near_step(2.0);
+        let row: Vec<usize> = (0..30).filter(|&x| marks[10 * 64 + x]).collect();
+        assert_eq!(row, [9, 10, 11, 12, 19, 20, 21, 22]);
+        assert!(
+            camera.photograph(&Scene::new(Relief::Cone, Texture::Noise, 1)).near_step(4.0).iter().all(|m| !m)
+        );
+    }
+}
