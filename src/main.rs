@@ -1,5 +1,6 @@
 //! The verbs of `landmarkd`. Wires the parts, decides nothing.
 
+use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -11,7 +12,9 @@ use clap::{Parser, Subcommand};
 use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::demo::{self, DemoArgs};
 use landmarkd::evaluate::EvaluateArgs;
+use landmarkd::evaluate::depth::{EvaluateDepthArgs, evaluate_depth};
 use landmarkd::{http, serve, telemetry};
+use serde::Serialize;
 
 /// Robots ask where they are and what they see; the answer comes with its evidence.
 #[derive(Parser)]
@@ -40,6 +43,8 @@ enum Verb {
     },
     /// Train on a folder, recognise queries with known truth, and tell how often the answer was right
     Evaluate(EvaluateArgs),
+    /// Measure depth from a near- and a far-focused picture, and tell how far it is from the truth
+    EvaluateDepth(EvaluateDepthArgs),
     /// Print the OpenAPI document
     Openapi,
     /// Succeed if the service at the address is ready
@@ -76,6 +81,7 @@ fn run(verb: Verb) -> anyhow::Result<()> {
         }
         Verb::Demo { args, settings } => demonstrate(&args, settings),
         Verb::Evaluate(args) => evaluate(&args),
+        Verb::EvaluateDepth(args) => print(&evaluate_depth(&args)?, args.json),
         Verb::Openapi => {
             std::io::stdout().write_all(http::openapi::text().as_bytes())?;
             Ok(())
@@ -136,12 +142,17 @@ fn evaluate(args: &EvaluateArgs) -> anyhow::Result<()> {
         bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
+    print(&evaluation, args.json)
+}
+
+/// Figures as a table, or as one JSON object.
+fn print(figures: &(impl Display + Serialize), json: bool) -> anyhow::Result<()> {
     let mut out = std::io::stdout();
-    if args.json {
-        serde_json::to_writer(&mut out, &evaluation)?;
+    if json {
+        serde_json::to_writer(&mut out, figures)?;
         writeln!(out)?;
     } else {
-        write!(out, "{evaluation}")?;
+        write!(out, "{figures}")?;
     }
     Ok(())
 }

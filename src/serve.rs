@@ -18,7 +18,7 @@ use crate::compute::{Compute, ComputeError};
 use crate::config::Settings;
 use crate::database::Databases;
 use crate::http::body::BodyBudget;
-use crate::http::{self, Service};
+use crate::http::{self, Estimators, Service};
 use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
 use crate::store::{CatalogueError, Folder, OpenFolderError, open_folder};
@@ -108,6 +108,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         limits,
         bodies,
         decode,
+        estimators: Estimators::default(),
         started_at: Timestamp::now(),
         worker,
         ready: Arc::new(AtomicBool::new(false)),

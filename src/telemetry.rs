@@ -50,6 +50,7 @@ pub struct Metrics {
     requests: IntCounterVec,
     request_seconds: HistogramVec,
     stage_seconds: HistogramVec,
+    depth_stage_seconds: HistogramVec,
     /// Pieces of work running and waiting, by lane.
     pub pool_running: IntGaugeVec,
     pub pool_waiting: IntGaugeVec,
@@ -64,6 +65,10 @@ pub struct Metrics {
 /// The stages of a recognition, as `landmarkd_recognition_stage_seconds{stage}` names them.
 pub const STAGES: [&str; 9] =
     ["queue", "decode", "attention", "signature", "search", "vote", "appearance", "universal", "object"];
+
+/// The stages of a depth map, as `landmarkd_depth_stage_seconds{stage}` names them.
+pub const DEPTH_STAGES: [&str; 8] =
+    ["queue", "design", "decode", "register", "match", "estimate", "judge", "encode"];
 
 impl Default for Metrics {
     fn default() -> Self {
@@ -102,6 +107,14 @@ impl Metrics {
                         "Time of each stage of a recognition",
                     )
                     .buckets(stage_buckets),
+                    &["stage"],
+                ),
+            ),
+            depth_stage_seconds: register(
+                &registry,
+                HistogramVec::new(
+                    HistogramOpts::new("landmarkd_depth_stage_seconds", "Time of each stage of a depth map")
+                        .buckets(vec![0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0]),
                     &["stage"],
                 ),
             ),
@@ -146,6 +159,9 @@ impl Metrics {
         for stage in STAGES {
             metrics.stage_seconds.with_label_values(&[stage]);
         }
+        for stage in DEPTH_STAGES {
+            metrics.depth_stage_seconds.with_label_values(&[stage]);
+        }
         #[cfg(target_os = "linux")]
         metrics
             .registry
@@ -163,6 +179,11 @@ impl Metrics {
     /// One stage of one recognition; `stage` is one of [`STAGES`].
     pub fn stage(&self, stage: &str, took: Duration) {
         self.stage_seconds.with_label_values(&[stage]).observe(took.as_secs_f64());
+    }
+
+    /// One stage of one depth map; `stage` is one of [`DEPTH_STAGES`].
+    pub fn depth_stage(&self, stage: &str, took: Duration) {
+        self.depth_stage_seconds.with_label_values(&[stage]).observe(took.as_secs_f64());
     }
 
     /// One finished training.

@@ -2,6 +2,7 @@
 
 use crate::compute::ComputeError;
 use crate::database::artifact::ArtifactError;
+use crate::database::calibrations::UnreadableCalibration;
 use crate::store::{BlobError, CatalogueError};
 
 /// Why a call on a database failed. The HTTP rim gives each its code and status.
@@ -15,6 +16,16 @@ pub enum DatabaseError {
     UnknownVersion { database: String, version: i64 },
     #[error("database {database} has no alias {alias}")]
     UnknownAlias { database: String, alias: String },
+    #[error("there is no calibration {calibration}")]
+    UnknownCalibration { calibration: String },
+    #[error("calibration {calibration} was changed meanwhile")]
+    CalibrationChanged { calibration: String },
+    #[error("calibration {calibration} can't be read back")]
+    UnreadableCalibration {
+        calibration: String,
+        #[source]
+        source: UnreadableCalibration,
+    },
     #[error("database {database} is of kind {kind}")]
     KindConflict { database: String, kind: String },
     #[error("database {database} has no version yet")]

@@ -1,4 +1,5 @@
 //! Databases: names, exemplars, options, versions, aliases; the registry of loaded versions; the artifact format.
+//! Calibrations of depth rigs stand beside them.
 //!
 //! [`Databases`] is the door. What it writes, it writes in the order of the protocol: the blob, then its row, then
 //! the alias. Plain records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves: they carry no
@@ -7,6 +8,7 @@
 //! Architecture invariant: nothing here knows HTTP, and nothing but `store` knows SQL or files.
 
 pub mod artifact;
+mod calibrations;
 mod error;
 mod exemplar;
 mod name;
@@ -18,6 +20,7 @@ mod version;
 use std::sync::Arc;
 use std::time::Duration;
 
+pub use calibrations::{PictureBlob, Rig, UnreadableCalibration};
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use reqwest::multipart::{Form, Part};
 use reqwest::{Method, RequestBuilder, Response, Url};
 use serde_json::{Value, json};
 use tokio::time::{Instant, sleep};
@@ -45,6 +46,14 @@ pub struct AnsweredPose {
     pub turn_deg: f64,
     pub sigma_deg: f64,
     pub reliable: bool,
+}
+
+/// What a depth map is like in short.
+pub struct DepthSummary {
+    /// Part of the pixels that have a depth.
+    pub coverage: f64,
+    /// What the service says that measuring took.
+    pub measure_ms: f64,
 }
 
 impl Server {
@@ -145,10 +154,32 @@ impl Server {
     /// The frame with the evidence drawn on it, a PNG.
     pub async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "recognitions"], &[]);
-        let answer = self.send(with_png(call, png).header("Accept", "image/png")).await?;
-        let call = answer.url().to_string();
-        let bytes = answer.bytes().await.map_err(|source| DemoError::NoAnswer { call, source })?;
-        Ok(bytes.to_vec())
+        self.bytes(with_png(call, png).header("Accept", "image/png")).await
+    }
+
+    /// What the depth map of a near- and a far-focused picture is like.
+    pub async fn depth_summary(&self, pair: &[Vec<u8>; 2], optics: &str) -> Result<DepthSummary, DemoError> {
+        let summary = self.json(self.depth_call(pair, optics)).await?;
+        Ok(DepthSummary {
+            coverage: summary["coverage"].as_f64().unwrap_or_default(),
+            measure_ms: summary["timings_ms"]["total"].as_f64().unwrap_or_default(),
+        })
+    }
+
+    /// The depth map as a file of a media type.
+    pub async fn depth_map(
+        &self,
+        pair: &[Vec<u8>; 2],
+        optics: &str,
+        media_type: &str,
+    ) -> Result<Vec<u8>, DemoError> {
+        self.bytes(self.depth_call(pair, optics).header("Accept", media_type)).await
+    }
+
+    fn depth_call(&self, [near, far]: &[Vec<u8>; 2], optics: &str) -> RequestBuilder {
+        let file = |name: &str, png: &[u8]| Part::bytes(png.to_vec()).file_name(format!("{name}.png"));
+        let form = Form::new().part("near", file("near", near)).part("far", file("far", far));
+        self.call(Method::POST, &["depth-maps"], &[]).multipart(form.text("optics", optics.to_owned()))
     }
 
     /// A call to `/v1/…`; names are escaped.
@@ -161,6 +192,13 @@ impl Server {
             url.query_pairs_mut().extend_pairs(query);
         }
         self.http.request(method, url)
+    }
+
+    async fn bytes(&self, call: RequestBuilder) -> Result<Vec<u8>, DemoError> {
+        let answer = self.send(call).await?;
+        let call = answer.url().to_string();
+        let bytes = answer.bytes().await.map_err(|source| DemoError::NoAnswer { call, source })?;
+        Ok(bytes.to_vec())
     }
 
     async fn json(&self, call: RequestBuilder) -> Result<Value, DemoError> {

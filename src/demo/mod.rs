@@ -2,10 +2,12 @@
 //! contract of a running service, as a robot would.
 //!
 //! Without a folder of its own pictures the demo draws rooms and objects itself (`drawing`, `rooms`, `objects`,
-//! `lessons`), and things on a turntable (`turntable`, `turning`). Databases called `demo-…` are the demo's: each run
+//! `lessons`), and things on a turntable (`turntable`, `turning`), and measures scenes of known depth (`distances`).
+//! Databases called `demo-…` are the demo's: each run
 //! makes them anew.
 
 mod client;
+mod distances;
 mod drawing;
 mod lessons;
 mod objects;
@@ -27,6 +29,7 @@ use client::Server;
 use lessons::{Exemplar, Lesson, Question, object_lesson, room_lesson};
 use own_pictures::own_lesson;
 
+pub use distances::MeasuredScene;
 pub use turning::TurningSummary;
 
 /// Arguments of `landmarkd demo`.
@@ -57,6 +60,8 @@ pub enum DemoError {
     Pictures { source: EvaluateError },
     #[error("no picture in {} could be learned", .path.display())]
     NothingLearned { path: PathBuf },
+    #[error("the service sent no depth map of {scene}")]
+    NoMap { scene: &'static str },
     #[error("can't write {}", .path.display())]
     Write { path: PathBuf, source: io::Error },
     #[error("can't print")]
@@ -72,6 +77,8 @@ pub struct DemoSummary {
     pub by_view: Vec<(String, Rate)>,
     /// The things on the turntable; `None` with pictures of the user's own.
     pub turning: Option<TurningSummary>,
+    /// The scenes whose depth was measured; none with pictures of the user's own.
+    pub measured: Vec<MeasuredScene>,
     /// Where the pictures are.
     pub pictures_dir: PathBuf,
 }
@@ -117,6 +124,10 @@ pub async fn run(
         Some(_) => None,
         None => Some(turn(&server, &pictures_dir.join(turning::DATABASE), out).await?),
     };
+    let measured = match args.images {
+        Some(_) => Vec::new(),
+        None => distances::measure(&server, &pictures_dir.join(distances::FOLDER), out).await?,
+    };
     if let Some(summary) = &turning {
         let rates = [("turned", summary.named_right), ("never learned", summary.strange_refused)];
         by_view.extend(rates.map(|(view, rate)| (format!("{}: {view}", turning::DATABASE), rate)));
@@ -132,8 +143,11 @@ pub async fn run(
     writeln!(out, "\npictures: {} (annotated.png: an answer and its evidence)", pictures_dir.display())?;
     if let (false, Some((database, file))) = (args.exit, shown) {
         directions(base_url, database, &file, out)?;
+        if let Some(scene) = measured.last() {
+            distances::directions(base_url, &pictures_dir.join(distances::FOLDER), scene, out)?;
+        }
     }
-    Ok(DemoSummary { right, by_view, turning, pictures_dir: pictures_dir.to_path_buf() })
+    Ok(DemoSummary { right, by_view, turning, measured, pictures_dir: pictures_dir.to_path_buf() })
 }
 
 /// Things on the turntable: learn, ask, print, and keep all pictures so that `evaluate` can take them too.
@@ -303,6 +317,17 @@ mod tests {
         assert_eq!(turning.without_pose.hits, turning.without_pose.trials, "{printed}");
         assert!(turning.strange_refused.hits >= 11, "{printed}");
         assert!(printed.contains("the truck turned by"), "{printed}");
+        for scene in &summary.measured {
+            let step = scene.scene.contains("ball");
+            let errors = &scene.errors;
+            assert!(
+                errors.rms_percent < if step { 3.5 } else { 1.2 } && errors.median_abs_percent < 0.8,
+                "{printed}"
+            );
+            assert!(scene.coverage > if step { 0.7 } else { 0.8 }, "{printed}");
+        }
+        assert_eq!(summary.measured.len(), 3);
+        assert!(printed.contains("preview=turbo"), "{printed}");
         assert!(printed.contains("/docs") && printed.contains("curl --data-binary"), "{printed}");
         for database in ["demo-rooms", "demo-objects", "demo-turntable"] {
             let annotated = fs::read(summary.pictures_dir.join(database).join("annotated.png")).unwrap();
@@ -323,7 +348,7 @@ mod tests {
         let (summary, printed) = shown(&args, folder.path());
         assert_eq!(summary.right.trials, 12);
         assert!(summary.right.hits >= 10, "{printed}");
-        assert_eq!(summary.turning, None);
+        assert!(summary.turning.is_none() && summary.measured.is_empty());
         assert!(!printed.contains("curl"), "nothing is left to be called: {printed}");
         fs::remove_dir_all(own.join("mug")).unwrap();
         assert_eq!(shown(&args, folder.path()).0.right.trials, 8);

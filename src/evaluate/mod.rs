@@ -1,9 +1,11 @@
-//! The verb `evaluate`: train on a folder, recognise queries with known truth, say how often it was right.
+//! The verb `evaluate`: train on a folder, recognise queries with known truth, say how often it was right; and in
+//! `depth` the verb `evaluate-depth`.
 //!
 //! Works on the core directly, without server or store, on one thread. Rates always come with their number of
 //! trials. A query whose label was not trained (a folder `unknown`, a label `null`) shows no known object. One
 //! file a kind of database: what is asked of a kind differs.
 
+pub mod depth;
 mod figures;
 mod files;
 mod landmarks;

@@ -151,7 +151,7 @@ impl Batch<'_> {
 
     async fn form(&self, request: Request) -> Result<BatchBody, Problem> {
         let limits = &self.service.limits;
-        let mut form = Form::of(request, self.service, limits.max_batch_bytes).await?;
+        let mut form = Form::of(request, self.service, limits.max_batch_bytes, limits.max_body_bytes).await?;
         // Files that come before the manifest wait for it, as many as one body may be large.
         let mut early = Vec::new();
         let mut early_bytes = 0;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::{Stream, StreamExt, stream};
@@ -26,7 +26,10 @@ pub struct JobBody {
     pub id: Uuid,
     #[schema(example = "training")]
     pub kind: String,
-    pub database: String,
+    /// The database that it is about; null for a sweep.
+    pub database: Option<String>,
+    /// The calibration that it is about; null for a training.
+    pub calibration: Option<String>,
     pub state: StateWord,
     pub progress: Option<ProgressBody>,
     /// The version it made or found.
@@ -97,6 +100,7 @@ impl From<JobRow> for JobBody {
             id: row.id,
             kind: row.kind,
             database: row.database,
+            calibration: row.calibration,
             state: row.state.into(),
             progress: row.progress.map(|progress| ProgressBody {
                 stage: progress.stage,
@@ -115,6 +119,12 @@ impl From<JobRow> for JobBody {
     }
 }
 
+/// The answer to a call that queued a job: 202 with its address.
+pub fn queued(row: JobRow) -> Response {
+    let location = HeaderValue::try_from(format!("/v1/jobs/{}", row.id)).expect("an id is ASCII");
+    (StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(JobBody::from(row))).into_response()
+}
+
 /// The job that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
@@ -130,6 +140,8 @@ pub struct JobPath {
 pub struct JobQuery {
     /// Those of this database.
     pub database: Option<String>,
+    /// Those of this calibration.
+    pub calibration: Option<String>,
     /// Those in this state.
     #[param(inline)]
     pub state: Option<StateWord>,
@@ -151,7 +163,8 @@ pub async fn list(
 ) -> Result<Json<Page<JobBody>>, Problem> {
     let limit = pages::limit(query.limit)?;
     let after = pages::after(query.cursor.as_deref())?;
-    let filter = JobFilter { database: query.database, state: query.state.map(JobState::from) };
+    let JobQuery { database, calibration, state, .. } = query;
+    let filter = JobFilter { database, calibration, state: state.map(JobState::from) };
     let rows = service.jobs.list(&filter, after, limit).await?;
     Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), JobBody::from)))
 }

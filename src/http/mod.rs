@@ -6,20 +6,25 @@
 pub mod accept;
 mod aliases;
 pub mod body;
+mod calibrations;
 mod databases;
+mod depth_maps;
 mod eigenimages;
+mod estimators;
 mod exemplar_batches;
 mod exemplars;
 mod extract;
 mod info;
 mod jobs;
 pub mod openapi;
+mod optics;
 mod options;
 mod pages;
 pub mod problem;
 mod recognitions;
 mod reports;
 mod rim;
+mod sweeps;
 mod trainings;
 mod uploads;
 mod versions;
@@ -39,6 +44,7 @@ use utoipa_axum::routes;
 use utoipa_swagger_ui::SwaggerUi;
 
 use self::body::BodyBudget;
+pub use self::estimators::Estimators;
 use crate::compute::Compute;
 use crate::config::Limits;
 use crate::database::Databases;
@@ -56,6 +62,8 @@ pub struct Service {
     pub limits: Limits,
     pub bodies: BodyBudget,
     pub decode: DecodeLimits,
+    /// Depth estimators used lately.
+    pub estimators: Estimators,
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
     pub worker: Arc<str>,
@@ -86,6 +94,11 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(aliases::put, aliases::get, aliases::delete))
         .routes(routes!(recognitions::post))
         .routes(routes!(recognitions::post_batch))
+        .routes(routes!(calibrations::list))
+        .routes(routes!(calibrations::put, calibrations::get, calibrations::delete))
+        .routes(routes!(calibrations::register))
+        .routes(routes!(sweeps::post))
+        .routes(routes!(depth_maps::post))
         .routes(routes!(jobs::list))
         .routes(routes!(jobs::get, jobs::cancel))
         .routes(routes!(jobs::events))

@@ -9,8 +9,9 @@ use utoipa::ToSchema;
 use crate::compute::ComputeError;
 use crate::database::DatabaseError;
 use crate::database::artifact::ArtifactError;
+use crate::depth::{EstimateError, EstimatorError, PairError, RegistrationError, SweepError};
 use crate::imaging::DecodeError;
-use crate::jobs::JobError;
+use crate::jobs::{JobError, sweep_problem};
 use crate::recognition::objects::SizeMismatch;
 use crate::store::{BlobError, CatalogueError};
 use crate::telemetry::chain;
@@ -48,6 +49,7 @@ codes! {
     UnknownVersion "unknown_version" NOT_FOUND "There is no such version",
     UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias",
     UnknownEigenimage "unknown_eigenimage" NOT_FOUND "There is no such eigenimage",
+    UnknownCalibration "unknown_calibration" NOT_FOUND "There is no such calibration",
     UnknownJob "unknown_job" NOT_FOUND "There is no such job",
     MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
     NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
@@ -57,6 +59,8 @@ codes! {
     NoCurrent "no_current" CONFLICT "The alias current names no version",
     VersionInUse "version_in_use" CONFLICT "An alias points to the version",
     VersionUnloadable "version_unloadable" CONFLICT "The version can't be loaded",
+    CalibrationChanged "calibration_changed" CONFLICT "The calibration was changed meanwhile",
+    CalibrationDeleted "calibration_deleted" CONFLICT "The calibration was deleted meanwhile",
     JobEnded "job_ended" CONFLICT "The job has ended",
     PreconditionFailed "precondition_failed" PRECONDITION_FAILED "It has changed since you looked",
     BodyTooLarge "body_too_large" PAYLOAD_TOO_LARGE "The body is too large",
@@ -64,6 +68,15 @@ codes! {
     UnsupportedImageFormat "unsupported_image_format" UNSUPPORTED_MEDIA_TYPE "The picture's format isn't read",
     InvalidField "invalid_field" UNPROCESSABLE_ENTITY "A field is missing, unknown or impossible",
     ImageTooLarge "image_too_large" UNPROCESSABLE_ENTITY "The picture has too many pixels",
+    ImageTooSmall "image_too_small" UNPROCESSABLE_ENTITY "The picture has too few pixels",
+    IdenticalImages "identical_images" UNPROCESSABLE_ENTITY "Both pictures are the same",
+    NeedsCalibration "needs_calibration" UNPROCESSABLE_ENTITY "The method needs a calibration with a sweep",
+    RegistrationRefused "registration_refused" UNPROCESSABLE_ENTITY "The pictures can't be registered",
+    TooFewPlanes "too_few_planes" UNPROCESSABLE_ENTITY "The sweep has too few planes",
+    SweepRefused "sweep_refused" UNPROCESSABLE_ENTITY "The planes make no sweep",
+    TooLittleTexture "too_little_texture" UNPROCESSABLE_ENTITY "A plane of the sweep has too little texture",
+    NotMonotone "not_monotone" UNPROCESSABLE_ENTITY "What the sweep measures is not in the order of its depths",
+    UnreadablePicture "unreadable_picture" UNPROCESSABLE_ENTITY "A picture of the sweep can't be read",
     NoExemplars "no_exemplars" UNPROCESSABLE_ENTITY "There is nothing to train from",
     TooFewPoints "too_few_points" UNPROCESSABLE_ENTITY "The exemplars have too few interest points",
     TooFewExemplars "too_few_exemplars" UNPROCESSABLE_ENTITY "There are too few exemplars",
@@ -177,6 +190,18 @@ impl Problem {
         Self::fields(vec![FieldError { pointer: pointer.into(), detail: detail.into() }])
     }
 
+    /// The same, of this part of a form; what points into the part points into the form.
+    pub fn in_part(self, name: &str) -> Self {
+        let mut errors = self.errors;
+        for error in &mut errors {
+            error.pointer.insert_str(0, &format!("/{name}"));
+        }
+        if errors.is_empty() {
+            errors.push(FieldError { pointer: format!("/{name}"), detail: self.detail.clone() });
+        }
+        Self { detail: format!("the part {name}: {}", self.detail), errors, ..self }
+    }
+
     /// The problem kept with a failed job.
     pub fn of_job(document: &str) -> Self {
         let kept: serde_json::Value = serde_json::from_str(document).unwrap_or_default();
@@ -234,6 +259,64 @@ impl From<SizeMismatch> for Problem {
     }
 }
 
+impl From<PairError> for Problem {
+    fn from(error: PairError) -> Self {
+        let (code, advice) = match error {
+            PairError::SizeMismatch { .. } => (Code::ImageSizeMismatch, "send two pictures of one size"),
+            PairError::Identical => {
+                (Code::IdenticalImages, "send the near-focused one as near and the far-focused one as far")
+            }
+            PairError::TooSmall { .. } => (Code::ImageTooSmall, "send larger ones"),
+        };
+        Self::new(code, format!("{error}: {advice}"))
+    }
+}
+
+impl From<EstimatorError> for Problem {
+    fn from(error: EstimatorError) -> Self {
+        match error {
+            EstimatorError::Options { faults } => Self::fields(
+                faults
+                    .into_iter()
+                    .map(|fault| FieldError {
+                        pointer: format!("/options/{}", fault.field),
+                        detail: fault.message,
+                    })
+                    .collect(),
+            ),
+            EstimatorError::NeedsTable | EstimatorError::OtherFilters => Self::new(
+                Code::NeedsCalibration,
+                format!("{error}: POST /v1/calibrations/{{name}}/sweep, or take another method"),
+            ),
+        }
+    }
+}
+
+impl From<EstimateError> for Problem {
+    fn from(error: EstimateError) -> Self {
+        let EstimateError::OtherSize { .. } = error;
+        Self::new(
+            Code::ImageSizeMismatch,
+            format!("{error}: send pictures of that size, or calibrate for these"),
+        )
+    }
+}
+
+impl From<RegistrationError> for Problem {
+    fn from(error: RegistrationError) -> Self {
+        let text =
+            format!("{error}: show a flat target full of fine irregular texture, within the working range");
+        Self::new(Code::RegistrationRefused, text)
+    }
+}
+
+impl From<SweepError> for Problem {
+    fn from(error: SweepError) -> Self {
+        let code = Code::of_word(sweep_problem(&error)).unwrap_or(Code::Internal);
+        Self::new(code, chain(&error))
+    }
+}
+
 impl From<ComputeError> for Problem {
     fn from(error: ComputeError) -> Self {
         match error {
@@ -275,6 +358,13 @@ impl From<DatabaseError> for Problem {
             DatabaseError::UnknownExemplar { .. } => problem(Code::UnknownExemplar, ""),
             DatabaseError::UnknownVersion { .. } => problem(Code::UnknownVersion, ""),
             DatabaseError::UnknownAlias { .. } => problem(Code::UnknownAlias, ""),
+            DatabaseError::UnknownCalibration { .. } => {
+                problem(Code::UnknownCalibration, "; create it with PUT /v1/calibrations/{name}")
+            }
+            DatabaseError::CalibrationChanged { .. } => {
+                problem(Code::CalibrationChanged, ": read it again and decide anew")
+            }
+            error @ DatabaseError::UnreadableCalibration { .. } => Self::internal(&error),
             DatabaseError::KindConflict { .. } => {
                 problem(Code::KindConflict, ": delete it first, or take another name")
             }

@@ -18,7 +18,7 @@ use crate::compute::panic_message;
 const REQUEST_ID: &str = "x-request-id";
 /// Longest request id taken from a caller.
 const MAX_REQUEST_ID_BYTES: usize = 128;
-/// Batches and artifacts carry many pictures' worth of work.
+/// Batches, sweeps and artifacts carry many pictures' worth of work.
 pub const LONG_CALL: u32 = 10;
 
 /// See the module.
@@ -70,7 +70,7 @@ pub async fn rim(State(service): State<Service>, request: Request, next: Next) -
 }
 
 fn deadline(service: &Service, route: &str) -> Duration {
-    let long = route.ends_with(":batch") || route.ends_with("/versions");
+    let long = [":batch", "/versions", "/sweep"].iter().any(|end| route.ends_with(end));
     service.limits.request_timeout * if long { LONG_CALL } else { 1 }
 }
 

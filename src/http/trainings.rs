@@ -1,9 +1,7 @@
 //! `POST /v1/databases/{database}/trainings`: make a version of the exemplars, as a job.
 
-use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
@@ -11,7 +9,7 @@ use utoipa::ToSchema;
 use super::Service;
 use super::databases::{DatabasePath, read_options};
 use super::extract::{Json as JsonIn, Path};
-use super::jobs::JobBody;
+use super::jobs::{JobBody, queued};
 use super::options::{self, OptionsBody};
 use super::problem::{Code, Problem};
 use crate::jobs::{Promote, TrainingParams};
@@ -65,7 +63,5 @@ pub async fn post(
     let base = read_options(&service.databases.get(&path.database).await?)?;
     let options = options::over(base, &new.options.unwrap_or_default())?;
     let job = service.jobs.train(&path.database, &TrainingParams { options, promote }).await?;
-    let location = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id));
-    let location = location.map_err(|_| Problem::new(Code::Internal, "the job has no address"))?;
-    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(JobBody::from(job))).into_response())
+    Ok(queued(job))
 }

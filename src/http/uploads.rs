@@ -1,6 +1,7 @@
-//! Pictures sent by clients: the raw body, or a multipart part named `image`. The bytes decide the format, and the
+//! Pictures sent by clients: the raw body, a multipart part named `image`, or several parts with names of their own. The bytes decide the format, and the
 //! size is read from the picture's header before anything is queued. Nothing is decoded here.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -14,11 +15,12 @@ use axum::http::request::Parts;
 use bytes::{Bytes, BytesMut};
 use futures_util::StreamExt;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::body::BodyShare;
-use super::extract::essence;
-use super::problem::{Code, Problem};
+use super::extract::{MAX_JSON_BYTES, essence, from_json};
+use super::problem::{Code, FieldError, Problem};
 use super::{Service, body};
 use crate::config::Limits;
 use crate::database::FrameHeader;
@@ -29,20 +31,53 @@ use crate::imaging::{self, DecodeLimits, Format};
 pub struct Picture {
     pub bytes: Bytes,
     pub format: Format,
+    /// Bits a sample.
+    pub bits: u8,
     /// Memory that the picture takes while it is worked on.
     pub working_bytes: u64,
+    /// Memory that it takes as one of the two that a depth map is made of.
+    pub depth_bytes: u64,
     /// The body's room, held as long as the picture is.
     _share: Option<BodyShare>,
 }
 
+/// Most memory that one picture of a pair may take in a measurement of depth: 12 megapixels in gray.
+const MAX_DEPTH_BYTES: u64 = 2 << 30;
+
 impl Picture {
+    /// The same, if a depth can be measured in pictures this large.
+    ///
+    /// # Errors
+    /// 422 when it would take too much memory.
+    pub fn for_depth(self) -> Result<Self, Problem> {
+        if self.depth_bytes <= MAX_DEPTH_BYTES {
+            return Ok(self);
+        }
+        Err(Problem::new(
+            Code::ImageTooLarge,
+            format!(
+                "measuring depth in this picture takes {} MiB, more than the {} that are allowed: send it smaller, some 12 \
+                 megapixels in gray are taken",
+                self.depth_bytes >> 20,
+                MAX_DEPTH_BYTES >> 20
+            ),
+        ))
+    }
+
     /// The picture in these bytes, judged by their header.
     ///
     /// # Errors
     /// No picture, a format we don't read, or too many pixels.
     pub fn of(bytes: Bytes, limits: &DecodeLimits) -> Result<Self, Problem> {
         let header = imaging::read_header(&bytes, limits)?;
-        Ok(Self { bytes, format: header.format, working_bytes: header.working_bytes(), _share: None })
+        Ok(Self {
+            bytes,
+            format: header.format,
+            bits: header.bits,
+            working_bytes: header.working_bytes(),
+            depth_bytes: header.depth_bytes(),
+            _share: None,
+        })
     }
 }
 
@@ -56,7 +91,7 @@ impl FromRequest<Service> for OnePicture {
         let limits = &service.limits;
         let declared = essence(request.headers());
         if declared.as_deref() == Some("multipart/form-data") {
-            let mut form = Form::of(request, service, limits.max_body_bytes).await?;
+            let mut form = Form::of(request, service, limits.max_body_bytes, limits.max_body_bytes).await?;
             while let Some((name, field)) = form.next().await? {
                 if name == "image" {
                     let bytes = field.read(limits.max_body_bytes).await??;
@@ -97,7 +132,7 @@ pub struct Form {
     limits: Limits,
     max_bytes: u64,
     parts: usize,
-    /// Room for one part: the rest of the form is not held.
+    /// Room for the parts that are held at once.
     share: BodyShare,
 }
 
@@ -138,14 +173,19 @@ impl Meter {
 }
 
 impl Form {
-    /// The form in a request's body, of at most `max_bytes` in all.
+    /// The form in a request's body, of at most `max_bytes` in all, of which at most `held_bytes` are held at once.
     ///
     /// # Errors
     /// A body that is no form, one that declares more than it may hold, or no room for it now.
-    pub async fn of(request: Request, service: &Service, max_bytes: u64) -> Result<Self, Problem> {
+    pub async fn of(
+        request: Request,
+        service: &Service,
+        max_bytes: u64,
+        held_bytes: u64,
+    ) -> Result<Self, Problem> {
         let (parts, body) = request.into_parts();
         let body = body::limited(&parts.headers, body, max_bytes)?;
-        let share = service.bodies.admit(&HeaderMap::new(), service.limits.max_body_bytes)?;
+        let share = service.bodies.admit(&HeaderMap::new(), held_bytes)?;
         let meter = Meter::default();
         let request = Request::from_parts(parts, meter.watch(body));
         let multipart = Multipart::from_request(request, service).await.map_err(|rejection| {
@@ -205,6 +245,104 @@ impl Part<'_> {
         let read = tokio::time::timeout(self.patience, all).await;
         read.map_err(|_| body::too_slow(self.patience))?
     }
+}
+
+/// A form of a few parts with known names that are held together, in whatever order they come.
+pub struct KnownParts {
+    bytes: BTreeMap<&'static str, Bytes>,
+    /// Parts that are unknown or come twice.
+    pub faults: Vec<FieldError>,
+    /// The form's room, to be held as long as its parts are.
+    pub share: BodyShare,
+}
+
+/// Most wrong parts that are named.
+const MAX_PART_FAULTS: usize = 16;
+
+impl KnownParts {
+    /// The parts of a form: `pictures` may each be as large as a body, `texts` as a JSON body.
+    ///
+    /// # Errors
+    /// A body that is no form, is too large, breaks off or doesn't come, or no room for it now.
+    pub async fn of(
+        request: Request,
+        service: &Service,
+        pictures: &[&'static str],
+        texts: &[&'static str],
+    ) -> Result<Self, Problem> {
+        if essence(request.headers()).as_deref() != Some("multipart/form-data") {
+            let files = pictures.iter().map(|name| format!(" -F {name}=@{name}.png")).collect::<String>();
+            let text = format!("this call takes a form, multipart/form-data: with curl,{files}");
+            return Err(Problem::new(Code::UnsupportedMediaType, text));
+        }
+        let max_picture_bytes = service.limits.max_body_bytes;
+        let most = pictures.len() as u64 * max_picture_bytes + texts.len() as u64 * MAX_JSON_BYTES;
+        let mut form = Form::of(request, service, most, most).await?;
+        let (mut bytes, mut faults) = (BTreeMap::new(), Vec::new());
+        while let Some((name, part)) = form.next().await? {
+            let known = |names: &[&'static str]| names.iter().copied().find(|known| *known == name);
+            let (known, max_bytes) = match (known(pictures), known(texts)) {
+                (Some(known), _) => (known, max_picture_bytes),
+                (None, Some(known)) => (known, MAX_JSON_BYTES),
+                (None, None) => {
+                    // Read past it, keeping nothing.
+                    let _ = part.read(0).await?;
+                    let detail = format!("is no part of this form; its parts are {}", names(pictures, texts));
+                    faults.push(FieldError { pointer: format!("/{name}"), detail });
+                    if faults.len() >= MAX_PART_FAULTS {
+                        break;
+                    }
+                    continue;
+                }
+            };
+            let read = part.read(max_bytes).await?.map_err(|problem| problem.in_part(known))?;
+            if bytes.insert(known, read).is_some() {
+                return Err(Problem::field(format!("/{known}"), "comes twice: send it once"));
+            }
+        }
+        Ok(Self { bytes, faults, share: form.share })
+    }
+
+    /// Whether the part of that name was sent and not taken yet.
+    pub fn holds(&self, name: &str) -> bool {
+        self.bytes.contains_key(name)
+    }
+
+    /// The part of that name, if it was sent.
+    pub fn take(&mut self, name: &str) -> Option<Bytes> {
+        self.bytes.remove(name)
+    }
+
+    /// The part of that name; a fault if it wasn't sent.
+    pub fn require(&mut self, name: &str) -> Option<Bytes> {
+        let taken = self.take(name);
+        if taken.is_none() {
+            let detail = format!("is missing: send a file part called {name}");
+            self.faults.push(FieldError { pointer: format!("/{name}"), detail });
+        }
+        taken
+    }
+
+    /// The members of the JSON object in that part, if it was sent; a fault if it holds something else.
+    ///
+    /// # Errors
+    /// Text that is no JSON.
+    pub fn object(&mut self, name: &str) -> Result<Option<Map<String, Value>>, Problem> {
+        let Some(bytes) = self.take(name) else { return Ok(None) };
+        match from_json(&bytes).map_err(|problem| problem.in_part(name))? {
+            Value::Object(members) => Ok(Some(members)),
+            _ => {
+                let detail = "must be a JSON object".into();
+                self.faults.push(FieldError { pointer: format!("/{name}"), detail });
+                Ok(None)
+            }
+        }
+    }
+}
+
+/// Names of parts as a list for people.
+fn names(pictures: &[&str], texts: &[&str]) -> String {
+    [pictures, texts].concat().join(", ")
 }
 
 fn broken_form(error: &MultipartError, max_bytes: u64) -> Problem {

@@ -4,6 +4,7 @@
 //! finish nothing, so a job ends exactly once. Every change of a job is an event with a number, kept with it.
 
 mod runner;
+mod sweep;
 mod training;
 
 use std::sync::Arc;
@@ -12,9 +13,10 @@ use std::time::Duration;
 use tokio::sync::{Notify, RwLock};
 use uuid::Uuid;
 
-use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name, Options};
-use crate::store::Catalogue;
+use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name, Options, Rig};
+use crate::store::{Catalogue, CatalogueError};
 pub use runner::{Runner, WORKER_LEASE};
+pub use sweep::{SweepParams, SweepPlane, sweep_problem};
 pub use training::{Promote, TrainingParams, UnfitExemplars};
 
 /// Why a call on a job failed.
@@ -79,6 +81,23 @@ impl Jobs {
         let queued =
             self.catalogue.enqueue_job(training::KIND, database.as_str(), &params.to_document()).await;
         let job = queued.map_err(DatabaseError::from)?;
+        self.work.notify_one();
+        Ok(job)
+    }
+
+    /// Queue a sweep of the rig.
+    ///
+    /// # Errors
+    /// An unknown calibration.
+    pub async fn sweep(&self, rig: &Rig, params: &SweepParams) -> Result<JobRow, JobError> {
+        let (document, blobs) = (params.to_document(), params.blobs());
+        let queued = self.catalogue.enqueue_calibration_job(sweep::KIND, &rig.name, &document, &blobs).await;
+        let job = queued.map_err(|error| match error {
+            CatalogueError::NotFound { .. } => {
+                DatabaseError::UnknownCalibration { calibration: rig.name.clone() }
+            }
+            error => error.into(),
+        })?;
         self.work.notify_one();
         Ok(job)
     }

@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use tokio::sync::{Mutex, RwLockWriteGuard, watch};
 use uuid::Uuid;
 
-use super::{Jobs, training};
-use crate::compute::Compute;
-use crate::database::{Databases, JobRow, Progress};
+use super::{Jobs, sweep, training};
+use crate::compute::{Compute, ComputeError};
+use crate::database::{DatabaseError, Databases, JobRow, Progress};
 use crate::imaging::DecodeLimits;
-use crate::store::CatalogueError;
-use crate::telemetry::Metrics;
+use crate::store::{BlobError, CatalogueError};
+use crate::telemetry::{Metrics, chain};
 
 /// How long a silent worker keeps its job: three missed renewals.
 pub const WORKER_LEASE: Duration = Duration::from_secs(15);
@@ -38,7 +38,46 @@ pub(super) enum Stop {
     /// It can't be done; the problem is kept with the job.
     Failed { code: &'static str, detail: String },
     /// A store is away: the job goes back into the queue.
-    Unavailable { error: crate::database::DatabaseError },
+    Unavailable { error: DatabaseError },
+}
+
+impl From<DatabaseError> for Stop {
+    fn from(error: DatabaseError) -> Self {
+        match error {
+            DatabaseError::Catalogue { source: CatalogueError::LeaseLost } => Self::Lost,
+            DatabaseError::Catalogue { source: CatalogueError::CancelRequested } => Self::Cancelled,
+            DatabaseError::Catalogue { source: CatalogueError::NotFound { what } } => {
+                Self::Failed { code: "unknown_database", detail: format!("{what}; it was deleted meanwhile") }
+            }
+            DatabaseError::Blobs {
+                source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }),
+            } => Self::Failed { code: "unreadable_exemplar", detail: chain(&error) },
+            DatabaseError::Unloadable { reason, .. } => Self::Failed {
+                code: "internal",
+                detail: format!("the new version can't be read back: {reason}"),
+            },
+            DatabaseError::Compute { source: ComputeError::Panicked { message } } => {
+                Self::Failed { code: "internal", detail: format!("the computation failed: {message}") }
+            }
+            error @ DatabaseError::CalibrationChanged { .. } => {
+                Self::Failed { code: "calibration_changed", detail: format!("{error}: sweep it again") }
+            }
+            error @ DatabaseError::UnknownCalibration { .. } => Self::Failed {
+                code: "unknown_calibration",
+                detail: format!("{error}; it was deleted meanwhile"),
+            },
+            error @ DatabaseError::UnreadableCalibration { .. } => {
+                Self::Failed { code: "internal", detail: chain(&error) }
+            }
+            error => Self::Unavailable { error },
+        }
+    }
+}
+
+impl From<CatalogueError> for Stop {
+    fn from(error: CatalogueError) -> Self {
+        DatabaseError::from(error).into()
+    }
 }
 
 /// A running job's tie to the catalogue: its lease, its progress, the wish to cancel it.
@@ -147,7 +186,7 @@ impl Runner {
             let claimed = self
                 .jobs
                 .catalogue
-                .claim_job(&self.owner, &[training::KIND], WORKER_LEASE, MAX_ATTEMPTS)
+                .claim_job(&self.owner, &[training::KIND, sweep::KIND], WORKER_LEASE, MAX_ATTEMPTS)
                 .await;
             match claimed {
                 Ok(Some(job)) => {
@@ -187,18 +226,30 @@ impl Runner {
         }
     }
 
+    /// Do the job, whatever its kind; the version that it made, if it makes one.
+    async fn outcome(&self, job: &JobRow, lease: &Lease) -> Result<Option<i64>, Stop> {
+        let Self { databases, compute, decode, .. } = self;
+        if job.kind == sweep::KIND {
+            return sweep::run(job, lease, databases, compute, decode).await.map(|()| None);
+        }
+        training::run(job, lease, databases, compute, decode).await.map(Some)
+    }
+
     async fn work(&self, job: &JobRow, lease: &Lease) {
-        tracing::info!(job = %job.id, kind = job.kind, database = job.database, attempt = job.attempts, "job starts");
+        let (kind, database, calibration) = (&job.kind, &job.database, &job.calibration);
+        tracing::info!(job = %job.id, kind, database, calibration, attempt = job.attempts, "job starts");
         let started = Instant::now();
         let outcome = tokio::select! {
-            outcome = training::run(job, lease, &self.databases, &self.compute, &self.decode) => outcome,
+            outcome = self.outcome(job, lease) => outcome,
             never = keep_alive(lease) => match never {},
         };
         let took_ms = started.elapsed().as_millis() as u64;
         let ended = match outcome {
             Ok(version) => {
                 tracing::info!(job = %job.id, version, took_ms, "job succeeded");
-                self.metrics.training(started.elapsed());
+                if version.is_some() {
+                    self.metrics.training(started.elapsed());
+                }
                 return;
             }
             Err(Stop::Cancelled) => {
@@ -215,7 +266,7 @@ impl Runner {
                 return;
             }
             Err(Stop::Unavailable { error }) => {
-                let error = crate::telemetry::chain(&error);
+                let error = chain(&error);
                 tracing::warn!(job = %job.id, error, took_ms, "job interrupted: a store is away");
                 tokio::time::sleep(OUTAGE_PAUSE).await;
                 // Back into the queue, the attempt not counted; with the catalogue away too the lease runs out.

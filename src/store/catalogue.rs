@@ -33,8 +33,8 @@ pub enum CatalogueError {
     /// The catalogue's state forbids the call.
     #[error("{what}")]
     Conflict { what: String },
-    /// The alias isn't as the caller expected it.
-    #[error("the alias is not at the expected revision")]
+    /// The alias or calibration isn't as the caller expected it.
+    #[error("it is not at the expected revision")]
     PreconditionFailed,
     /// The job isn't running under this token any more: nothing was written.
     #[error("the lease on the job was lost")]
@@ -177,6 +177,18 @@ pub enum AliasExpectation {
     Revision(i64),
 }
 
+/// What is known of a rig.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CalibrationRow {
+    pub name: String,
+    /// JSON.
+    pub document: String,
+    /// Grows with every change; no two states of any calibration share one, not even after a deletion.
+    pub revision: i64,
+    pub created_at: Timestamp,
+    pub updated_at: Timestamp,
+}
+
 /// The life of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JobState {
@@ -246,8 +258,10 @@ pub struct JobRow {
     /// UUID v7: ids sort by the time of their making.
     pub id: Uuid,
     pub kind: String,
-    /// The name only: the row outlives the database.
-    pub database: String,
+    /// The name only: the row outlives the database. None for a job about a calibration.
+    pub database: Option<String>,
+    /// Likewise, the calibration that the job is about.
+    pub calibration: Option<String>,
     /// JSON.
     pub params: String,
     pub state: JobState,
@@ -275,6 +289,7 @@ pub struct JobRow {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct JobFilter {
     pub database: Option<String>,
+    pub calibration: Option<String>,
     pub state: Option<JobState>,
 }
 
@@ -296,7 +311,7 @@ pub struct JobEventRow {
     pub created_at: Timestamp,
 }
 
-/// The one truth about databases, exemplars, versions, aliases and jobs.
+/// The one truth about databases, exemplars, versions, aliases, calibrations and jobs.
 ///
 /// Every call is one transaction: it happened wholly, durably, or not at all. Dropping the future of a call
 /// leaves it done or undone, never half. Any call may fail with `Unavailable` or `Corrupt`; the other errors
@@ -410,7 +425,51 @@ pub trait Catalogue: Send + Sync + 'static {
         expected: AliasExpectation,
     ) -> Result<bool, CatalogueError>;
 
-    /// Adds a job to the queue. Errors: `NotFound` for the database.
+    /// Creates the calibration of that name, or replaces its document, if it is at the revision `expected`; none
+    /// means that it isn't there. Errors: `PreconditionFailed`.
+    async fn put_calibration(
+        &self,
+        name: &str,
+        document: &str,
+        expected: Option<i64>,
+    ) -> Result<CalibrationRow, CatalogueError>;
+
+    /// The calibration of that name.
+    async fn calibration(&self, name: &str) -> Result<Option<CalibrationRow>, CatalogueError>;
+
+    /// Calibrations by name.
+    async fn calibrations(
+        &self,
+        after: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<CalibrationRow>, CatalogueError>;
+
+    /// Deletes a calibration and cancels its unfinished jobs; false when there was none.
+    async fn delete_calibration(&self, name: &str) -> Result<bool, CatalogueError>;
+
+    /// Adds a job about a calibration to the queue, with the blobs that it will read: they count as named until it
+    /// has ended, and must be stored before. Errors: `NotFound` for the calibration.
+    async fn enqueue_calibration_job(
+        &self,
+        kind: &str,
+        calibration: &str,
+        params: &str,
+        blobs: &[String],
+    ) -> Result<JobRow, CatalogueError>;
+
+    /// Ends a job with what it found out about its calibration: the document, if that is still at the revision
+    /// `expected`, and the job's success, in one transaction.
+    ///
+    /// Errors: `LeaseLost`, `CancelRequested`, `PreconditionFailed`; then nothing has changed.
+    async fn publish_calibration(
+        &self,
+        id: Uuid,
+        token: i64,
+        document: &str,
+        expected: i64,
+    ) -> Result<CalibrationRow, CatalogueError>;
+
+    /// Adds a job about a database to the queue. Errors: `NotFound` for the database.
     async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError>;
 
     /// The job of that id.
@@ -498,6 +557,6 @@ pub trait Catalogue: Send + Sync + 'static {
     /// How many jobs there are in each state that has any.
     async fn jobs_by_state(&self) -> Result<Vec<(JobState, u64)>, CatalogueError>;
 
-    /// True while an exemplar or a version names this blob.
+    /// True while an exemplar, a version or a job that hasn't ended names this blob.
     async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError>;
 }

@@ -13,9 +13,9 @@ mod suite;
 
 pub use blobs::{BlobError, BlobName, Blobs};
 pub use catalogue::{
-    AliasExpectation, AliasRow, AliasTarget, Catalogue, CatalogueError, DatabaseCounts, DatabaseRow,
-    ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress, Renewal,
-    UnknownJobState, VersionRow,
+    AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress,
+    Renewal, UnknownJobState, VersionRow,
 };
 pub use folder::{Folder, OpenFolderError, open_folder};
 pub use sqlite::OpenCatalogueError;

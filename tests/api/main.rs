@@ -2,9 +2,12 @@
 //! folder, no ports. Only `restarts` starts the real binary.
 
 mod app;
+mod depth_pictures;
 mod pictures;
 mod process;
 
+mod calibrations;
+mod depth_maps;
 mod exemplars;
 mod freeform;
 mod jobs;

@@ -110,7 +110,7 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
 
 /// See [`super::over`].
 pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<LandmarkOptions, Problem> {
-    let (body, faults) = readable::<LandmarkOptionsBody>(body);
+    let (body, faults) = readable::<LandmarkOptionsBody>("/options", body);
     let mut later = Vec::new();
     let mut options = base;
     macro_rules! take_word {

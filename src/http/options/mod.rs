@@ -1,14 +1,16 @@
 //! Options on the wire. Each is optional; what is absent keeps its value. Unknown, misshapen and conflicting ones are
-//! one problem that names them all. One file a kind.
+//! one problem that names them all. One file a kind, and one for depth maps.
 
+mod depth;
 mod landmarks;
 mod objects;
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
+pub use depth::{DepthMethodWord, DepthOptionsBody, WindowBody};
 pub use landmarks::LandmarkOptionsBody;
 pub use objects::ObjectOptionsBody;
 
@@ -45,8 +47,15 @@ pub fn over(base: Options, body: &Map<String, Value>) -> Result<Options, Problem
     }
 }
 
-/// What of a body can be read, and a fault for each of the others.
-fn readable<B: DeserializeOwned + Default>(body: &Map<String, Value>) -> (B, Vec<FieldError>) {
+/// Left to the service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AutoWord {
+    Auto,
+}
+
+/// What of the members of the object `at` can be read, and a fault for each of the others.
+pub fn readable<B: DeserializeOwned + Default>(at: &str, body: &Map<String, Value>) -> (B, Vec<FieldError>) {
     let mut faults = Vec::new();
     let mut readable = Map::new();
     for (name, value) in body {
@@ -55,7 +64,7 @@ fn readable<B: DeserializeOwned + Default>(body: &Map<String, Value>) -> (B, Vec
         match serde_json::from_value::<B>(alone) {
             Ok(_) => drop(readable.insert(name.clone(), value.clone())),
             Err(error) => {
-                faults.push(FieldError { pointer: format!("/options/{name}"), detail: error.to_string() });
+                faults.push(FieldError { pointer: format!("{at}/{name}"), detail: error.to_string() });
             }
         }
     }
@@ -97,7 +106,7 @@ macro_rules! words {
 
         impl $name {
             /// The value inside; an error for a word whose meaning is still to come.
-            fn inside(self) -> Result<$room::$domain, ()> {
+            pub fn inside(self) -> Result<$room::$domain, ()> {
                 match self {
                     $(Self::$variant => Ok($room::$domain::$variant),)+
                     $($(Self::$later => Err(()),)+)?

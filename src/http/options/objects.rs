@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{judge, readable, words};
+use super::{AutoWord, judge, readable, words};
 use crate::http::problem::Problem;
 use crate::recognition::objects::{self, Dimension, ObjectOptions};
 
@@ -26,13 +26,6 @@ words!(
     /// By what the universal eigenspace orders objects.
     DistanceWord, objects::Distance, { Euclidean, Mahalanobis }
 );
-
-/// Left to the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum AutoWord {
-    Auto,
-}
 
 /// A number of coordinates, or `auto`: the least that recognises held-out views as well as any.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -106,7 +99,7 @@ impl From<&ObjectOptions> for ObjectOptionsBody {
 
 /// See [`super::over`].
 pub(super) fn over(base: ObjectOptions, body: &Map<String, Value>) -> Result<ObjectOptions, Problem> {
-    let (body, faults) = readable::<ObjectOptionsBody>(body);
+    let (body, faults) = readable::<ObjectOptionsBody>("/options", body);
     let mut later = Vec::new();
     let mut options = base;
     macro_rules! take_word {

@@ -170,7 +170,7 @@ struct Recognised {
 }
 
 /// Gives the time since it was last asked.
-fn stopwatch() -> impl FnMut() -> Duration {
+pub(super) fn stopwatch() -> impl FnMut() -> Duration {
     let mut last = Instant::now();
     move || {
         let now = Instant::now();
@@ -178,7 +178,8 @@ fn stopwatch() -> impl FnMut() -> Duration {
     }
 }
 
-fn ms(duration: Duration) -> f64 {
+/// A time in milliseconds.
+pub(super) fn ms(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }
 
@@ -312,7 +313,7 @@ pub async fn post_batch(
     let wanted = query.wanted(false)?;
     let version = service.version_for(&path.database, &query).await?;
     let limits = &service.limits;
-    let mut form = Form::of(request, &service, limits.max_batch_bytes).await?;
+    let mut form = Form::of(request, &service, limits.max_batch_bytes, limits.max_body_bytes).await?;
     let mut items = Vec::new();
     let mut running = FuturesOrdered::new();
     // As many pictures are held as there are threads for them, and one that arrives.

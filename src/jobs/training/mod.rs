@@ -15,14 +15,14 @@ use futures_util::{StreamExt, TryStreamExt, stream};
 use serde::{Deserialize, Serialize};
 
 use super::runner::{Lease, Stop};
-use crate::compute::{Compute, ComputeError, Lane};
+use crate::compute::{Compute, Lane};
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model, Options,
     Report, ReportTimings, inputs_digest,
 };
 use crate::imaging::{self, DecodeLimits, Frame};
-use crate::store::{BlobError, CatalogueError};
+use crate::store::CatalogueError;
 pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.
@@ -66,35 +66,6 @@ impl TrainingParams {
     }
 }
 
-impl From<DatabaseError> for Stop {
-    fn from(error: DatabaseError) -> Self {
-        match error {
-            DatabaseError::Catalogue { source: CatalogueError::LeaseLost } => Self::Lost,
-            DatabaseError::Catalogue { source: CatalogueError::CancelRequested } => Self::Cancelled,
-            DatabaseError::Catalogue { source: CatalogueError::NotFound { what } } => {
-                Self::Failed { code: "unknown_database", detail: format!("{what}; it was deleted meanwhile") }
-            }
-            DatabaseError::Blobs {
-                source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }),
-            } => Self::Failed { code: "unreadable_exemplar", detail: crate::telemetry::chain(&error) },
-            DatabaseError::Unloadable { reason, .. } => Self::Failed {
-                code: "internal",
-                detail: format!("the new version can't be read back: {reason}"),
-            },
-            DatabaseError::Compute { source: ComputeError::Panicked { message } } => {
-                Self::Failed { code: "internal", detail: format!("the computation failed: {message}") }
-            }
-            error => Self::Unavailable { error },
-        }
-    }
-}
-
-impl From<CatalogueError> for Stop {
-    fn from(error: CatalogueError) -> Self {
-        DatabaseError::from(error).into()
-    }
-}
-
 /// Train, publish, and end the job with the version's number.
 pub(super) async fn run(
     job: &JobRow,
@@ -103,23 +74,24 @@ pub(super) async fn run(
     compute: &Compute,
     decode: &DecodeLimits,
 ) -> Result<i64, Stop> {
-    let database = databases.catalogue.database(&job.database).await?;
-    let database =
-        database.ok_or_else(|| CatalogueError::NotFound { what: format!("database {}", job.database) })?;
+    let nowhere = || CatalogueError::NotFound { what: "the database of a training".into() };
+    let name = job.database.as_deref().ok_or_else(nowhere)?;
+    let database = databases.catalogue.database(name).await?;
+    let database = database.ok_or_else(|| CatalogueError::NotFound { what: format!("database {name}") })?;
     let kind = Kind::parse(&database.kind).ok_or_else(|| Stop::Failed {
         code: "not_yet",
         detail: format!("the database is of kind {}: this release can't train it", database.kind),
     })?;
     let params = TrainingParams::from_document(kind, &job.params)?;
     let promote = (params.promote == Promote::Always).then_some(CURRENT);
-    let exemplars = databases.catalogue.training_set(&job.database).await?;
+    let exemplars = databases.catalogue.training_set(name).await?;
     if exemplars.is_empty() {
         let detail = "the database has no exemplars: post some, then train".into();
         return Err(Stop::Failed { code: "no_exemplars", detail });
     }
     let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
-    if let Some(found) = databases.catalogue.version_by_digest(&job.database, &digest).await? {
-        match databases.registry().check(&job.database, &digest, &found.blob).await {
+    if let Some(found) = databases.catalogue.version_by_digest(name, &digest).await? {
+        match databases.registry().check(name, &digest, &found.blob).await {
             Ok(()) => {
                 let _publishing = lease.publishing().await;
                 databases.catalogue.succeed_job(lease.id, lease.token, Some(found.version), promote).await?;
@@ -128,7 +100,7 @@ pub(super) async fn run(
             }
             // Trained again it gives the same bytes, and storing those mends the artifact.
             Err(DatabaseError::Unloadable { reason, .. }) => {
-                tracing::warn!(job.database, found.version, reason, "damaged: training it again");
+                tracing::warn!(database = name, found.version, reason, "damaged: training it again");
             }
             Err(error) => return Err(error.into()),
         }
@@ -145,9 +117,9 @@ pub(super) async fn run(
     let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
 
     lease.progress("publishing", 0, 1).await?;
-    let mut new = databases.keep_artifact(&job.database, &artifact, bytes).await?;
+    let mut new = databases.keep_artifact(name, &artifact, bytes).await?;
     new.report = artifact.report.timed(ReportTimings { eigenspace, ..timings }).to_document();
-    databases.registry().check(&job.database, &new.digest, &new.blob).await?;
+    databases.registry().check(name, &new.digest, &new.blob).await?;
     lease.go_on()?;
     let _publishing = lease.publishing().await;
     let version = databases.catalogue.publish(lease.id, lease.token, &new, promote).await?;

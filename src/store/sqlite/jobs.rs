@@ -1,4 +1,4 @@
-//! Statements on the tables `jobs` and `job_events`.
+//! Statements on the tables `jobs`, `job_events` and `job_blobs`.
 //!
 //! Whatever changes a job's state or progress appends an event on the same connection, hence in the same
 //! transaction. A worker's statements all say `id = … AND token = … AND state = 'running'`.
@@ -9,8 +9,8 @@ use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use uuid::Uuid;
 
-use super::databases;
 use super::row::{corrupt, id as read_id, now_us, optional_time, time, to_column, unsigned};
+use super::{calibrations, databases};
 use crate::store::{CatalogueError, JobEventRow, JobFilter, JobRow, JobState, Progress, Renewal};
 
 /// How a job ends.
@@ -21,10 +21,12 @@ pub struct Outcome<'a> {
 }
 
 fn read(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
+    let database: String = row.try_get("database")?;
     Ok(JobRow {
         id: read_id(row, "id")?,
         kind: row.try_get("kind")?,
-        database: row.try_get("database")?,
+        database: Some(database).filter(|name| !name.is_empty()),
+        calibration: row.try_get("calibration")?,
         params: row.try_get("params")?,
         state: read_state(row)?,
         progress: read_progress(row)?,
@@ -97,14 +99,47 @@ pub async fn enqueue(
     if databases::find(connection, database).await?.is_none() {
         return Err(databases::unknown(database));
     }
+    insert(connection, kind, database, None, params).await
+}
+
+pub async fn enqueue_for_calibration(
+    connection: &mut SqliteConnection,
+    kind: &str,
+    calibration: &str,
+    params: &str,
+    blobs: &[String],
+) -> Result<JobRow, CatalogueError> {
+    if calibrations::find(connection, calibration).await?.is_none() {
+        return Err(calibrations::unknown(calibration));
+    }
+    let job = insert(connection, kind, "", Some(calibration), params).await?;
+    let id = job.id.to_string();
+    for blob in blobs {
+        sqlx::query("INSERT OR IGNORE INTO job_blobs (job, blob) VALUES (?1, ?2)")
+            .bind(&id)
+            .bind(blob)
+            .execute(&mut *connection)
+            .await?;
+    }
+    Ok(job)
+}
+
+async fn insert(
+    connection: &mut SqliteConnection,
+    kind: &str,
+    database: &str,
+    calibration: Option<&str>,
+    params: &str,
+) -> Result<JobRow, CatalogueError> {
     let id = Uuid::now_v7().to_string();
     let row = sqlx::query(
-        "INSERT INTO jobs (id, kind, database, params, state, created_at)
-         VALUES (?1, ?2, ?3, ?4, 'queued', ?5) RETURNING *",
+        "INSERT INTO jobs (id, kind, database, calibration, params, state, created_at)
+         VALUES (?1, ?2, ?3, ?4, ?5, 'queued', ?6) RETURNING *",
     )
     .bind(&id)
     .bind(kind)
     .bind(database)
+    .bind(calibration)
     .bind(params)
     .bind(now_us())
     .fetch_one(&mut *connection)
@@ -129,13 +164,15 @@ pub async fn list(
 ) -> Result<Vec<JobRow>, CatalogueError> {
     let rows = sqlx::query(
         "SELECT * FROM jobs
-         WHERE (?1 IS NULL OR database = ?1) AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR id < ?3)
+         WHERE (?1 IS NULL OR database = ?1) AND (?5 IS NULL OR calibration = ?5)
+           AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR id < ?3)
          ORDER BY id DESC LIMIT ?4",
     )
     .bind(&filter.database)
     .bind(filter.state.map(JobState::as_str))
     .bind(after.map(|id| id.to_string()))
     .bind(limit)
+    .bind(&filter.calibration)
     .fetch_all(connection)
     .await?;
     rows.iter().map(read).collect()
@@ -303,17 +340,34 @@ pub async fn request_cancel(
     }
 }
 
-/// Cancels the unfinished jobs of a database that is being deleted.
-pub async fn cancel_all(connection: &mut SqliteConnection, database: &str) -> Result<(), CatalogueError> {
-    let rows = sqlx::query("SELECT * FROM jobs WHERE database = ?1 AND state IN ('queued', 'running')")
-        .bind(database)
-        .fetch_all(&mut *connection)
-        .await?;
-    let problem = serde_json::json!({
-        "code": "database_deleted",
-        "detail": format!("database {database:?} was deleted"),
-    })
-    .to_string();
+/// What a job is about.
+#[derive(Debug, Clone, Copy)]
+pub enum Subject<'a> {
+    Database(&'a str),
+    Calibration(&'a str),
+}
+
+/// Cancels the unfinished jobs about what is being deleted.
+pub async fn cancel_all(
+    connection: &mut SqliteConnection,
+    subject: Subject<'_>,
+) -> Result<(), CatalogueError> {
+    let (database, calibration, code, detail) = match subject {
+        Subject::Database(name) => {
+            (Some(name), None, "database_deleted", format!("database {name:?} was deleted"))
+        }
+        Subject::Calibration(name) => {
+            (None, Some(name), "calibration_deleted", format!("calibration {name:?} was deleted"))
+        }
+    };
+    let rows = sqlx::query(
+        "SELECT * FROM jobs WHERE (database = ?1 OR calibration = ?2) AND state IN ('queued', 'running')",
+    )
+    .bind(database)
+    .bind(calibration)
+    .fetch_all(&mut *connection)
+    .await?;
+    let problem = serde_json::json!({"code": code, "detail": detail}).to_string();
     for row in &rows {
         let outcome = Outcome { problem: Some(&problem), ..Outcome::default() };
         end(connection, read_id(row, "id")?, JobState::Cancelled, outcome).await?;
@@ -372,7 +426,7 @@ pub async fn events(
     after: i64,
 ) -> Result<Vec<JobEventRow>, CatalogueError> {
     let rows = sqlx::query(
-        "SELECT j.id, j.kind, j.database, j.params, j.created_at, e.*
+        "SELECT j.id, j.kind, j.database, j.calibration, j.params, j.created_at, e.*
          FROM job_events e JOIN jobs j ON j.id = e.job
          WHERE e.job = ?1 AND e.sequence > ?2 ORDER BY e.sequence",
     )

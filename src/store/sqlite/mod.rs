@@ -6,6 +6,7 @@
 //! can do nothing else.
 
 mod aliases;
+mod calibrations;
 mod databases;
 mod exemplars;
 mod jobs;
@@ -25,11 +26,11 @@ use sqlx::sqlite::{
 use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
-use self::jobs::Outcome;
+use self::jobs::{Outcome, Subject};
 use super::catalogue::{
-    AliasExpectation, AliasRow, AliasTarget, Catalogue, CatalogueError, DatabaseCounts, DatabaseRow,
-    ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress, Renewal,
-    VersionRow,
+    AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress,
+    Renewal, VersionRow,
 };
 use super::folder::FolderLock;
 
@@ -151,7 +152,7 @@ impl Catalogue for SqliteCatalogue {
 
     async fn delete_database(&self, name: &str) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
-        jobs::cancel_all(&mut transaction, name).await?;
+        jobs::cancel_all(&mut transaction, Subject::Database(name)).await?;
         let deleted = databases::delete(&mut transaction, name).await?;
         transaction.commit().await?;
         Ok(deleted)
@@ -268,6 +269,67 @@ impl Catalogue for SqliteCatalogue {
         Ok(deleted)
     }
 
+    async fn put_calibration(
+        &self,
+        name: &str,
+        document: &str,
+        expected: Option<i64>,
+    ) -> Result<CalibrationRow, CatalogueError> {
+        let mut transaction = self.write().await?;
+        let row = calibrations::put(&mut transaction, name, document, expected).await?;
+        transaction.commit().await?;
+        Ok(row)
+    }
+
+    async fn calibration(&self, name: &str) -> Result<Option<CalibrationRow>, CatalogueError> {
+        calibrations::find(&mut *self.read().await?, name).await
+    }
+
+    async fn calibrations(
+        &self,
+        after: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<CalibrationRow>, CatalogueError> {
+        calibrations::list(&mut *self.read().await?, after, limit).await
+    }
+
+    async fn delete_calibration(&self, name: &str) -> Result<bool, CatalogueError> {
+        let mut transaction = self.write().await?;
+        jobs::cancel_all(&mut transaction, Subject::Calibration(name)).await?;
+        let deleted = calibrations::delete(&mut transaction, name).await?;
+        transaction.commit().await?;
+        Ok(deleted)
+    }
+
+    async fn enqueue_calibration_job(
+        &self,
+        kind: &str,
+        calibration: &str,
+        params: &str,
+        blobs: &[String],
+    ) -> Result<JobRow, CatalogueError> {
+        let mut transaction = self.write().await?;
+        let job = jobs::enqueue_for_calibration(&mut transaction, kind, calibration, params, blobs).await?;
+        transaction.commit().await?;
+        Ok(job)
+    }
+
+    async fn publish_calibration(
+        &self,
+        id: Uuid,
+        token: i64,
+        document: &str,
+        expected: i64,
+    ) -> Result<CalibrationRow, CatalogueError> {
+        let mut transaction = self.write().await?;
+        jobs::held_and_wanted(&mut transaction, id, token).await?;
+        let job = jobs::finish(&mut transaction, id, token, JobState::Succeeded, Outcome::default()).await?;
+        let name = job.calibration.unwrap_or_default();
+        let row = calibrations::put(&mut transaction, &name, document, Some(expected)).await?;
+        transaction.commit().await?;
+        Ok(row)
+    }
+
     async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
         let job = jobs::enqueue(&mut transaction, kind, database, params).await?;
@@ -346,11 +408,12 @@ impl Catalogue for SqliteCatalogue {
         let outcome = Outcome { version, problem: None };
         let job = jobs::finish(&mut transaction, id, token, JobState::Succeeded, outcome).await?;
         if let Some(version) = version {
-            if versions::find(&mut transaction, &job.database, version).await?.is_none() {
-                return Err(versions::unknown(&job.database, version));
+            let database = job.database.as_deref().unwrap_or_default();
+            if versions::find(&mut transaction, database, version).await?.is_none() {
+                return Err(versions::unknown(database, version));
             }
             if let Some(alias) = promote_alias {
-                aliases::set(&mut transaction, &job.database, alias, version, AliasExpectation::Any).await?;
+                aliases::set(&mut transaction, database, alias, version, AliasExpectation::Any).await?;
             }
         }
         transaction.commit().await?;
@@ -404,7 +467,9 @@ impl Catalogue for SqliteCatalogue {
     async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError> {
         Ok(sqlx::query_scalar(
             "SELECT EXISTS (SELECT 1 FROM exemplars WHERE blob = ?1)
-                 OR EXISTS (SELECT 1 FROM versions WHERE blob = ?1)",
+                 OR EXISTS (SELECT 1 FROM versions WHERE blob = ?1)
+                 OR EXISTS (SELECT 1 FROM job_blobs b JOIN jobs j ON j.id = b.job
+                            WHERE b.blob = ?1 AND j.state IN ('queued', 'running'))",
         )
         .bind(blob)
         .fetch_one(&mut *self.read().await?)
@@ -433,6 +498,34 @@ mod tests {
         .await
         .unwrap();
         assert_eq!(pragmas, ("wal".to_owned(), 2, 1)); // 2 is FULL.
+    }
+
+    #[tokio::test]
+    async fn jobs_of_the_first_release_are_kept_with_their_events() {
+        let directory = tempfile::tempdir().unwrap();
+        let options = SqliteConnectOptions::new()
+            .filename(directory.path().join("catalogue.sqlite"))
+            .create_if_missing(true)
+            .foreign_keys(true);
+        let old = SqlitePool::connect_with(options).await.unwrap();
+        let first = Migrator { migrations: MIGRATIONS.migrations[..1].to_vec().into(), ..Migrator::DEFAULT };
+        first.run(&old).await.unwrap();
+        for statement in [
+            "INSERT INTO jobs (id, kind, database, params, state, created_at)
+             VALUES ('00000000-0000-4000-8000-000000000001', 'training', 'lab', '{}', 'queued', 7)",
+            "INSERT INTO job_events (job, sequence, at, state, token, cancel_requested, attempts)
+             VALUES ('00000000-0000-4000-8000-000000000001', 1, 7, 'queued', 0, 0, 0)",
+        ] {
+            sqlx::query(statement).execute(&old).await.unwrap();
+        }
+        old.close().await;
+
+        let catalogue = open(directory.path()).await;
+        let job = catalogue.job(Uuid::from_u128(0x4000_8000_0000_0000_0001)).await.unwrap().unwrap();
+        assert_eq!((job.database.as_deref(), job.calibration.as_deref()), (Some("lab"), None));
+        assert_eq!(catalogue.job_events(job.id, 0).await.unwrap().len(), 1);
+        let claimed = catalogue.claim_job("w", &["training"], Duration::from_secs(1), 3).await.unwrap();
+        assert_eq!(claimed.unwrap().id, job.id);
     }
 
     #[tokio::test]

@@ -1,0 +1,458 @@
+//! `POST /v1/depth-maps`: how far away everything is, from a near- and a far-focused picture.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::extract::Query;
+use super::optics::OpticsBody;
+use super::options::{DepthMethodWord, DepthOptionsBody, WindowBody};
+use super::problem::{FieldError, Problem};
+use super::recognitions::{ms, stopwatch};
+use super::uploads::{HeaderEcho, KnownParts, Picture, RobotHeader};
+use super::{Service, accept};
+use crate::compute::Lane;
+use crate::database::{FrameHeader, Name};
+use crate::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
+use crate::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
+
+/// Which planes an array has.
+#[derive(Debug, Clone, Default, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct PlanesQuery {
+    /// For `application/x-npy`: `depth` (mm, NaN = unknown), `sigma` (its expected standard deviation in mm), `flags`
+    /// (bits), with commas between them. One plane is an array H×W, several are n×H×W in the order given.
+    #[param(default = "depth", example = "depth,sigma,flags")]
+    pub planes: Option<String>,
+}
+
+/// A near- and a far-focused picture, and what the lens is. Either `optics` or `calibration`.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct DepthForm {
+    /// The near-focused picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    near: String,
+    /// The far-focused picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    far: String,
+    optics: Option<OpticsBody>,
+    /// Name of a calibration.
+    #[schema(pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    calibration: Option<String>,
+    options: Option<DepthOptionsBody>,
+}
+
+/// How far away everything is, in short.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct DepthMapBody {
+    pub header: HeaderEcho,
+    pub method: DepthMethodWord,
+    pub window: WindowBody,
+    /// The calibration that was used; null when the form had the optics.
+    pub calibration: Option<String>,
+    pub width_px: usize,
+    pub height_px: usize,
+    /// The distance that the near-focused picture is focused at.
+    pub near_focus_mm: f64,
+    /// The distance that the far-focused picture is focused at.
+    pub far_focus_mm: f64,
+    /// From the near to the far focus distance: the working range.
+    pub range_mm: f64,
+    /// The largest blur within the working range.
+    pub largest_blur_px: f64,
+    /// Part of the pixels that have a depth.
+    pub coverage: f64,
+    /// Null when no pixel has a depth.
+    pub depth_mm: Option<DepthSpanBody>,
+    /// Noise of a picture in grey levels of 255, as the method sees it; null if it can't.
+    pub noise_sigma: Option<f64>,
+    /// By how much the far-focused picture was displaced; it was moved back.
+    pub shift_px: [f64; 2],
+    /// What the far-focused picture was multiplied by.
+    pub gain: f64,
+    /// Pixels without a depth, by the reason: `low_texture`, `saturated`, `out_of_range`, `inconsistent`, `border`,
+    /// `ambiguous`.
+    #[schema(value_type = BTreeMap<String, u64>)]
+    pub flags: BTreeMap<&'static str, u64>,
+    /// Reasons to doubt the whole: `shifted`, `shift_unknown`, `gain_off`, `many_inconsistent`, `low_coverage`,
+    /// `near_far_swapped`.
+    pub warnings: Vec<&'static str>,
+    pub timings_ms: DepthTimings,
+}
+
+/// Depths of the pixels that have one.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct DepthSpanBody {
+    pub min: f64,
+    pub median: f64,
+    pub max: f64,
+}
+
+/// How long the parts of a depth map took, in milliseconds.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub struct DepthTimings {
+    /// Waiting for a computing thread.
+    pub queue: f64,
+    /// Making filters ready; next to nothing when the same optics and options were used lately.
+    pub design: f64,
+    pub decode: f64,
+    /// All that follows decoding: the sum of the four below.
+    pub total: f64,
+    /// Scale and shift.
+    pub register: f64,
+    /// Brightness, and halving.
+    pub r#match: f64,
+    /// Filters and windows.
+    pub estimate: f64,
+    /// Choice of windows, lens law, flags.
+    pub judge: f64,
+}
+
+/// A plane of an array.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Plane {
+    Depth,
+    Sigma,
+    Flags,
+}
+
+impl Plane {
+    fn values(self, map: &DepthMap) -> Box<dyn Iterator<Item = f32> + '_> {
+        match self {
+            Self::Depth => Box::new(map.depth_mm().iter().copied()),
+            Self::Sigma => Box::new(map.sigma_mm().iter().copied()),
+            Self::Flags => Box::new(map.flags().iter().map(|&bits| f32::from(bits))),
+        }
+    }
+}
+
+impl PlanesQuery {
+    fn planes(&self) -> Result<Vec<Plane>, Problem> {
+        let wrong = |what: String| {
+            Problem::field(
+                "#planes",
+                format!("{what}: give depth, sigma, flags, or several with commas between"),
+            )
+        };
+        let mut planes = Vec::new();
+        for word in self.planes.as_deref().unwrap_or("depth").split(',') {
+            let plane = match word {
+                "depth" => Plane::Depth,
+                "sigma" => Plane::Sigma,
+                "flags" => Plane::Flags,
+                other => return Err(wrong(format!("{other:?} is no plane"))),
+            };
+            if planes.contains(&plane) {
+                return Err(wrong(format!("{word:?} is named twice")));
+            }
+            planes.push(plane);
+        }
+        Ok(planes)
+    }
+}
+
+/// What the call gives, ours by preference first.
+const OFFERED: [&str; 5] =
+    ["application/json", "image/png", "application/x-npy", "model/ply", "image/png; preview=turbo"];
+
+/// How a depth map is written.
+enum Form {
+    Summary,
+    Png,
+    Npy(Vec<Plane>),
+    Ply,
+    Preview,
+}
+
+/// A depth map as bytes.
+struct File {
+    media_type: &'static str,
+    bytes: Vec<u8>,
+    /// Of a 16-bit picture: mm a grey level.
+    step_mm: Option<f64>,
+}
+
+impl Form {
+    fn wanted(headers: &HeaderMap, query: &PlanesQuery) -> Result<Self, Problem> {
+        let planes = query.planes()?;
+        Ok(match accept::choose(headers, &OFFERED)? {
+            "image/png" => Self::Png,
+            "application/x-npy" => Self::Npy(planes),
+            "model/ply" => Self::Ply,
+            "image/png; preview=turbo" => Self::Preview,
+            _ => Self::Summary,
+        })
+    }
+
+    /// The file; none for the summary.
+    fn write(&self, map: &DepthMap, pair: &FocalPair) -> Option<File> {
+        let (width, height) = (map.width(), map.height());
+        let file = |media_type, bytes| Some(File { media_type, bytes, step_mm: None });
+        match self {
+            Self::Summary => None,
+            Self::Png => {
+                let (bytes, step_mm) = encode::png_distances(width, height, map.depth_mm());
+                Some(File { media_type: "image/png", bytes, step_mm: Some(step_mm) })
+            }
+            Self::Npy(planes) => {
+                let shape = [planes.len(), height, width];
+                let shape = if planes.len() == 1 { &shape[1..] } else { &shape[..] };
+                let values = planes.iter().flat_map(|plane| plane.values(map));
+                file("application/x-npy", npy::npy_f32(shape, values))
+            }
+            Self::Ply => {
+                let levels = pair.near().pixels();
+                let points = map.points_mm().map(|(at, point_mm)| (point_mm, levels[at]));
+                file("model/ply", ply::ply_points(points))
+            }
+            Self::Preview => file("image/png", false_colour::png_turbo(width, height, map.depth_mm())),
+        }
+    }
+}
+
+/// What a call asks for.
+struct Question {
+    near: Picture,
+    far: Picture,
+    calibration: Calibration,
+    options: DepthOptions,
+    form: Form,
+}
+
+/// What a computing thread makes of it.
+struct Measured {
+    summary: Summary,
+    size_px: (usize, usize),
+    file: Option<File>,
+    /// The names of the stages and how long each took.
+    clocked: Vec<(&'static str, Duration)>,
+}
+
+/// Decode, measure, write: runs on a computing thread.
+fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> {
+    let Question { near, far, calibration, options, form } = question;
+    let mut lap = stopwatch();
+    let estimator = service.estimators.ready(calibration, options)?;
+    let mut clocked = vec![("design", lap())];
+    let pair = decoded_pair([near, far], ["near", "far"], &service.decode)?;
+    clocked.push(("decode", lap()));
+    let map = estimator.estimate(&pair, &mut |stage| {
+        let stage = match stage {
+            Stage::Register => "register",
+            Stage::Match => "match",
+            Stage::Estimate => "estimate",
+            Stage::Judge => "judge",
+        };
+        clocked.push((stage, lap()));
+    })?;
+    let file = form.write(&map, &pair);
+    if file.is_some() {
+        clocked.push(("encode", lap()));
+    }
+    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, clocked })
+}
+
+/// The focal pair of two pictures; `names` are their parts'.
+///
+/// # Errors
+/// A picture that can't be decoded, or two that are no pair.
+pub fn decoded_pair(
+    pictures: [&Picture; 2],
+    names: [&str; 2],
+    limits: &DecodeLimits,
+) -> Result<FocalPair, Problem> {
+    let decoded = |at: usize| {
+        let frame = imaging::decode(&pictures[at].bytes, limits);
+        frame.map_err(|error| Problem::from(error).in_part(names[at]))
+    };
+    Ok(FocalPair::new(decoded(0)?, decoded(1)?, pictures[0].bits.min(pictures[1].bits))?)
+}
+
+/// The distance of everything from a near- and a far-focused picture. `Accept` chooses the form: a summary; a 16-bit
+/// PNG (distance = grey level × `X-Depth-Scale-Mm`, 0 = unknown); an array for NumPy; a point cloud in metres; or, for
+/// people, a picture in false colours (near is red). Pictures must be linear in light.
+#[utoipa::path(
+    post, operation_id = "measure_depth", path = "/v1/depth-maps", tag = "depth", params(PlanesQuery),
+    request_body(content = DepthForm, content_type = "multipart/form-data"),
+    responses((
+        status = 200, description = "The depth map",
+        content(
+            (DepthMapBody = "application/json"), (Vec<u8> = "image/png"), (Vec<u8> = "application/x-npy"),
+            (Vec<u8> = "model/ply"), (Vec<u8> = "image/png; preview=turbo")
+        ),
+        headers(
+            ("X-Depth-Scale-Mm" = f64, description = "16-bit PNG: mm a grey level"),
+            ("X-Near-Focus-Mm" = f64, description = "Files: as `near_focus_mm`"),
+            ("X-Far-Focus-Mm" = f64, description = "Files: as `far_focus_mm`"),
+            ("X-Coverage" = f64, description = "Files: as `coverage`"),
+            ("X-Warnings" = String, description = "Files: as `warnings`, with commas between"),
+        )
+    ))
+)]
+pub async fn post(
+    State(service): State<Service>,
+    query: Result<Query<PlanesQuery>, Problem>,
+    headers: HeaderMap,
+    robot: Result<RobotHeader, Problem>,
+    request: Request,
+) -> Response {
+    let asked = async {
+        let form = Form::wanted(&headers, &query?.0)?;
+        service.depth_map(form, robot?.0, request).await
+    };
+    let mut response = asked.await.unwrap_or_else(Problem::into_response);
+    // A problem too: what is acceptable depends on it.
+    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
+    response
+}
+
+impl Service {
+    async fn depth_map(&self, form: Form, robot: FrameHeader, request: Request) -> Result<Response, Problem> {
+        let mut parts =
+            KnownParts::of(request, self, &["near", "far"], &["optics", "calibration", "options"]).await?;
+        let (near, far) = (parts.require("near"), parts.require("far"));
+        let options = parts.object("options")?.unwrap_or_default();
+        let (options, faults) = DepthOptionsBody::read(&options);
+        parts.faults.extend(faults);
+        let rig = rig(&mut parts)?;
+        let (Some(near), Some(far), Some(rig), []) = (near, far, rig, parts.faults.as_slice()) else {
+            return Err(Problem::fields(parts.faults));
+        };
+        let (name, calibration) = match rig {
+            RigPart::Described(calibration) => (None, *calibration),
+            RigPart::Named(name) => {
+                let kept = self.databases.rig(&name).await?;
+                (Some(kept.name), kept.calibration)
+            }
+        };
+        let picture = |bytes: Bytes, name| {
+            Picture::of(bytes, &self.decode)
+                .and_then(Picture::for_depth)
+                .map_err(|problem| problem.in_part(name))
+        };
+        let (near, far) = (picture(near, "near")?, picture(far, "far")?);
+        let memory = near.depth_bytes + far.depth_bytes;
+        let (optics, method, window) = (calibration.optics, options.method, options.window);
+        let question = Question { near, far, calibration, options, form };
+        let (service, share) = (self.clone(), parts.share);
+        let work = move || {
+            let _share = share;
+            measure(&question, &service)
+        };
+        let (measured, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
+        let Measured { summary, size_px, file, clocked } = measured?;
+        self.metrics.depth_stage("queue", queue);
+        clocked.iter().for_each(|(stage, took)| self.metrics.depth_stage(stage, *took));
+        if let Some(file) = file {
+            return Ok(file.into_response(&summary));
+        }
+        let took =
+            |stage: &str| clocked.iter().find(|(name, _)| *name == stage).map_or(0.0, |(_, took)| ms(*took));
+        let [register, r#match, estimate, judge] = ["register", "match", "estimate", "judge"].map(took);
+        let body = DepthMapBody {
+            header: robot.into(),
+            method: method.into(),
+            window: window.into(),
+            calibration: name,
+            width_px: size_px.0,
+            height_px: size_px.1,
+            near_focus_mm: summary.near_focus_mm,
+            far_focus_mm: summary.far_focus_mm,
+            range_mm: summary.far_focus_mm - summary.near_focus_mm,
+            largest_blur_px: optics.largest_blur_px(),
+            coverage: summary.coverage,
+            depth_mm: summary.depth.map(|depth| DepthSpanBody {
+                min: depth.min,
+                median: depth.median,
+                max: depth.max,
+            }),
+            noise_sigma: summary.noise_sigma,
+            shift_px: summary.shift_px,
+            gain: summary.gain,
+            flags: Flag::ALL.iter().map(|flag| flag.word()).zip(summary.flag_counts).collect(),
+            warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
+            timings_ms: DepthTimings {
+                queue: ms(queue),
+                design: took("design"),
+                decode: took("decode"),
+                total: register + r#match + estimate + judge,
+                register,
+                r#match,
+                estimate,
+                judge,
+            },
+        };
+        Ok(Json(body).into_response())
+    }
+}
+
+/// What the lens is, as a form says it.
+enum RigPart {
+    Described(Box<Calibration>),
+    Named(Name),
+}
+
+/// The optics or the calibration's name; a fault if there are both, none, or wrong ones.
+fn rig(parts: &mut KnownParts) -> Result<Option<RigPart>, Problem> {
+    let sent = ["optics", "calibration"].map(|name| parts.holds(name));
+    let (optics, name) = (parts.object("optics")?, parts.take("calibration"));
+    let mut fault = |pointer: &str, detail: String| {
+        parts.faults.push(FieldError { pointer: pointer.into(), detail });
+        None
+    };
+    Ok(match (sent, optics, name) {
+        ([false, false], ..) => fault(
+            "/optics",
+            "is missing: send a part called optics (JSON), or one called calibration (a name)".into(),
+        ),
+        ([true, true], ..) => {
+            fault("/optics", "and calibration exclude each other: send one".into());
+            fault("/calibration", "and optics exclude each other: send one".into())
+        }
+        (_, Some(optics), _) => match OpticsBody::read("/optics", &optics) {
+            Ok(optics) => Some(RigPart::Described(Box::new(Calibration::of(optics)))),
+            Err(faults) => {
+                parts.faults.extend(faults);
+                None
+            }
+        },
+        (_, None, Some(name)) => {
+            let text = String::from_utf8_lossy(&name);
+            match Name::parse(text.trim()) {
+                Ok(name) => Some(RigPart::Named(name)),
+                Err(error) => fault("/calibration", format!("{text:?} {error}")),
+            }
+        }
+        // A part that holds something else than an object: it is named already.
+        (_, None, None) => None,
+    })
+}
+
+impl File {
+    /// The file, with what the summary says in headers, so that nothing is hidden from those who never see it.
+    fn into_response(self, summary: &Summary) -> Response {
+        let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.word()).collect();
+        let said = [
+            ("x-near-focus-mm", summary.near_focus_mm.to_string()),
+            ("x-far-focus-mm", summary.far_focus_mm.to_string()),
+            ("x-coverage", summary.coverage.to_string()),
+            ("x-warnings", warnings.join(",")),
+        ];
+        let step = self.step_mm.map(|mm| ("x-depth-scale-mm", mm.to_string()));
+        let mut response = ([(header::CONTENT_TYPE, self.media_type)], self.bytes).into_response();
+        for (name, value) in said.into_iter().chain(step) {
+            let value = HeaderValue::try_from(value).expect("numbers and words are ASCII");
+            response.headers_mut().insert(HeaderName::from_static(name), value);
+        }
+        response
+    }
+}

@@ -1,0 +1,92 @@
+//! Depth estimators that were used lately. Making one ready costs more than measuring a picture, and robots ask with
+//! the same rig and options time after time.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::depth::{Calibration, DepthOptions, Estimator, EstimatorError};
+
+/// Most estimators kept: rigs of a site, or options that somebody tries out. Each holds a few hundred kilobytes.
+const MOST: usize = 16;
+
+/// What an estimator is made of.
+type Key = (Calibration, DepthOptions);
+
+type Entry = (Key, Arc<Estimator>);
+
+/// The estimators used last, the latest first; cheap to clone.
+#[derive(Clone, Default)]
+pub struct Estimators {
+    kept: Arc<Mutex<Vec<Entry>>>,
+}
+
+impl Estimators {
+    /// The estimator of a rig and options, made ready if it isn't kept: for a computing thread.
+    ///
+    /// # Errors
+    /// [`EstimatorError`].
+    pub fn ready(
+        &self,
+        calibration: &Calibration,
+        options: &DepthOptions,
+    ) -> Result<Arc<Estimator>, EstimatorError> {
+        let is_it = |(key, _): &Entry| key.0 == *calibration && key.1 == *options;
+        // A panic elsewhere leaves the list whole: nothing here is half done while the lock is held.
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        {
+            let mut kept = lock();
+            if let Some(at) = kept.iter().position(is_it) {
+                kept[..=at].rotate_right(1);
+                return Ok(Arc::clone(&kept[0].1));
+            }
+        }
+        // Without the lock: others needn't wait. Two at once do it twice, and both are right.
+        let estimator = Arc::new(Estimator::new(calibration, options)?);
+        let mut kept = lock();
+        kept.retain(|entry| !is_it(entry));
+        kept.truncate(MOST - 1);
+        kept.insert(0, ((calibration.clone(), *options), Arc::clone(&estimator)));
+        Ok(estimator)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::{Aperture, Method, NearSensor, Optics, OpticsSpec, Window};
+
+    #[test]
+    fn the_same_rig_and_options_share_one_estimator_until_many_others_came() {
+        let optics = Optics::new(&OpticsSpec {
+            focal_length_mm: 25.0,
+            aperture: Aperture::FNumber(2.8),
+            near_sensor: NearSensor::FocusMm(529.0),
+            plane_separation_mm: 0.37,
+            pixel_pitch_um: 29.0,
+            telecentric: true,
+            principal_point_px: None,
+        });
+        let rig = Calibration::of(optics.unwrap());
+        let options = |px: usize| DepthOptions {
+            method: Method::Stm,
+            window: Window::Px(px as f64),
+            ..Default::default()
+        };
+        let estimators = Estimators::default();
+        let first = estimators.ready(&rig, &options(1)).unwrap();
+        for px in 2..=MOST {
+            estimators.ready(&rig, &options(px)).unwrap();
+        }
+        assert!(Arc::ptr_eq(&first, &estimators.ready(&rig, &options(1)).unwrap()));
+        let second = estimators.ready(&rig, &options(2)).unwrap();
+        for px in MOST + 1..2 * MOST {
+            estimators.ready(&rig, &options(px)).unwrap();
+        }
+        assert!(
+            Arc::ptr_eq(&second, &estimators.ready(&rig, &options(2)).unwrap()),
+            "used last, kept longest"
+        );
+        assert!(!Arc::ptr_eq(&first, &estimators.ready(&rig, &options(1)).unwrap()));
+        assert_eq!(estimators.kept.lock().unwrap().len(), MOST);
+        assert!(estimators.ready(&rig, &options(0)).is_err());
+    }
+}

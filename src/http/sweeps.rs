@@ -1,0 +1,223 @@
+//! `POST /v1/calibrations/{name}/sweep`: measure the rig's table by textured planes at known depths, as a job.
+
+use std::collections::BTreeMap;
+
+use axum::extract::{Request, State};
+use axum::response::Response;
+use bytes::Bytes;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use utoipa::ToSchema;
+
+use super::Service;
+use super::calibrations::CalibrationPath;
+use super::extract::{MAX_JSON_BYTES, Path, from_json};
+use super::jobs::{JobBody, queued};
+use super::options::{DepthMethodWord, readable};
+use super::problem::{Code, FieldError, Problem};
+use super::uploads::{Form, Picture};
+use crate::compute::Lane;
+use crate::database::{PictureBlob, Rig};
+use crate::depth::{MAX_PLANES, Method, Sweep};
+use crate::imaging;
+use crate::jobs::{SweepParams, SweepPlane};
+
+/// One plane of a sweep.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneLine {
+    /// Distance of the plane from the lens.
+    #[schema(exclusive_minimum = 0)]
+    pub depth_mm: f64,
+    /// Name of the part with the near-focused picture.
+    pub near: String,
+    /// Name of the part with the far-focused picture.
+    pub far: String,
+}
+
+/// How a sweep is to be measured.
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepOptionsBody {
+    /// The method that the table is for: `gram` by default.
+    #[schema(required = false)]
+    pub method: Option<DepthMethodWord>,
+    /// Whether aperture, separation and near plane are fitted to the planes first.
+    #[schema(default = false)]
+    pub fit_optics: Option<bool>,
+}
+
+/// A form with a manifest, and one part for each picture that it names.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct SweepForm {
+    /// JSON: planes at 5 known depths or more, better 9 to 21, that reach past both focus distances.
+    manifest: Vec<PlaneLine>,
+    options: Option<SweepOptionsBody>,
+}
+
+/// Measure the rig's table: textured planes that face the camera, at known depths. Answers at once with a job. Planes
+/// that are too few, or don't reach past both focus distances, are refused at once; a sweep that isn't monotone fails
+/// the job.
+#[utoipa::path(
+    post, operation_id = "sweep_calibration",
+    path = "/v1/calibrations/{name}/sweep", tag = "depth", params(CalibrationPath),
+    request_body(content = SweepForm, content_type = "multipart/form-data"),
+    responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
+)]
+pub async fn post(
+    State(service): State<Service>,
+    Path(path): Path<CalibrationPath>,
+    request: Request,
+) -> Result<Response, Problem> {
+    let rig = service.databases.rig(&path.name).await?;
+    let sent = service.sweep_form(request).await?;
+    let params = sent.params(&rig)?;
+    let depths_mm: Vec<f64> = params.planes.iter().map(|plane| plane.depth_mm).collect();
+    let (calibration, method) = (rig.calibration.clone(), params.method);
+    let judge = move || Sweep::new(&calibration, method, &depths_mm).map(drop);
+    service.compute.run(Lane::Upkeep, 0, judge).await?.0?;
+    Ok(queued(service.jobs.sweep(&rig, &params).await?))
+}
+
+/// A picture that was kept.
+struct Kept {
+    blob: PictureBlob,
+    /// Width and height as decoded.
+    size_px: (usize, usize),
+}
+
+/// What a form held.
+#[derive(Default)]
+struct SweepParts {
+    manifest: Option<Bytes>,
+    options: Option<Bytes>,
+    pictures: BTreeMap<String, Kept>,
+}
+
+impl Service {
+    /// Take the form in: each picture is looked at and kept as it comes, one at a time.
+    async fn sweep_form(&self, request: Request) -> Result<SweepParts, Problem> {
+        let limits = &self.limits;
+        let held_bytes = limits.max_body_bytes + 2 * MAX_JSON_BYTES;
+        let mut form = Form::of(request, self, limits.max_batch_bytes, held_bytes).await?;
+        let mut sent = SweepParts::default();
+        while let Some((name, part)) = form.next().await? {
+            let text = match name.as_str() {
+                "manifest" => Some(&mut sent.manifest),
+                "options" => Some(&mut sent.options),
+                _ => None,
+            };
+            let twice = || Problem::field(format!("/{name}"), "comes twice: send it once");
+            if let Some(text) = text {
+                let bytes = part.read(MAX_JSON_BYTES).await?.map_err(|problem| problem.in_part(&name))?;
+                if text.replace(bytes).is_some() {
+                    return Err(twice());
+                }
+                continue;
+            }
+            if sent.pictures.contains_key(&name) {
+                return Err(twice());
+            }
+            if sent.pictures.len() == 2 * MAX_PLANES {
+                let text = format!("a sweep has at most {MAX_PLANES} planes of two pictures");
+                return Err(Problem::new(Code::SweepRefused, text));
+            }
+            let bytes = part.read(limits.max_body_bytes).await?.map_err(|problem| problem.in_part(&name))?;
+            let kept = self.keep_picture(bytes).await.map_err(|problem| problem.in_part(&name))?;
+            sent.pictures.insert(name, kept);
+        }
+        Ok(sent)
+    }
+
+    /// Decode a picture once, so that only pictures are kept, and keep it.
+    async fn keep_picture(&self, bytes: Bytes) -> Result<Kept, Problem> {
+        let (picture, limits) = (Picture::of(bytes.clone(), &self.decode)?.for_depth()?, self.decode);
+        let memory = picture.working_bytes;
+        let look = move || imaging::decode(&picture.bytes, &limits);
+        let frame = self.compute.run(Lane::Upkeep, memory, look).await?.0?;
+        let blob = self.databases.keep_picture(bytes).await?;
+        Ok(Kept { blob, size_px: (frame.width(), frame.height()) })
+    }
+}
+
+impl SweepParts {
+    /// The sweep that the form asks for.
+    fn params(&self, rig: &Rig) -> Result<SweepParams, Problem> {
+        let Some(manifest) = &self.manifest else {
+            let text = "is missing: send a part called manifest, JSON [{depth_mm, near, far}]";
+            return Err(Problem::field("/manifest", text));
+        };
+        let manifest: Vec<PlaneLine> = from_json(manifest).map_err(|problem| problem.in_part("manifest"))?;
+        let mut faults = Vec::new();
+        let mut fault = |pointer, detail| faults.push(FieldError { pointer, detail });
+        let mut planes = Vec::new();
+        for (at, line) in manifest.iter().enumerate() {
+            let mut picture = |member: &str, name: &String| {
+                let kept = self.pictures.get(name);
+                if kept.is_none() {
+                    let detail = format!("the form has no part named {name:?}");
+                    fault(format!("/manifest/{at}/{member}"), detail);
+                }
+                kept
+            };
+            let (near, far) = (picture("near", &line.near), picture("far", &line.far));
+            if let Some((near, far)) = near.zip(far) {
+                planes.push((line.depth_mm, near, far));
+            }
+        }
+        for name in self.pictures.keys() {
+            if !manifest.iter().any(|line| line.near == *name || line.far == *name) {
+                fault(format!("/{name}"), "no line of the manifest names this part".into());
+            }
+        }
+        let (options, wrong) = self.options()?;
+        faults.extend(wrong);
+        if !faults.is_empty() {
+            return Err(Problem::fields(faults));
+        }
+        self.fit(rig)?;
+        if let Some((depth_mm, ..)) = planes.iter().find(|(_, near, far)| near.blob == far.blob) {
+            let text = format!("near and far of the plane at {depth_mm} mm are one picture: send both");
+            return Err(Problem::new(Code::IdenticalImages, text));
+        }
+        Ok(SweepParams {
+            revision: rig.revision,
+            method: options.method.and_then(|word| word.inside().ok()).unwrap_or(Method::Gram),
+            fit_optics: options.fit_optics.unwrap_or_default(),
+            planes: planes
+                .into_iter()
+                .map(|(depth_mm, near, far)| SweepPlane {
+                    depth_mm,
+                    near: near.blob.clone(),
+                    far: far.blob.clone(),
+                })
+                .collect(),
+        })
+    }
+
+    fn options(&self) -> Result<(SweepOptionsBody, Vec<FieldError>), Problem> {
+        let Some(bytes) = &self.options else { return Ok(Default::default()) };
+        let members: Map<String, Value> = from_json(bytes).map_err(|problem| problem.in_part("options"))?;
+        Ok(readable("/options", &members))
+    }
+
+    /// Whether the pictures are all of one size, the rig's if it has one.
+    fn fit(&self, rig: &Rig) -> Result<(), Problem> {
+        let rigs = rig.calibration.image.map(|image| (image.width_px, image.height_px));
+        let Some(wanted) = rigs.or(self.pictures.values().next().map(|kept| kept.size_px)) else {
+            return Ok(());
+        };
+        match self.pictures.iter().find(|(_, kept)| kept.size_px != wanted) {
+            None => Ok(()),
+            Some((name, Kept { size_px: (width, height), .. })) => {
+                let text = format!(
+                    "it is {width}×{height} px, not {}×{} px: send pictures of one size, the one that the rig was \
+                     registered with if it was",
+                    wanted.0, wanted.1
+                );
+                Err(Problem::new(Code::ImageSizeMismatch, text).in_part(name))
+            }
+        }
+    }
+}
