@@ -4,23 +4,12 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::depth::scene::{Camera, Relief, Scene, Texture};
-use landmarkd::depth::{
-    Aperture, Calibration, DepthOptions, Estimator, Method, NearSensor, Optics, OpticsSpec, Stage, Window,
-};
+use landmarkd::depth::scene::{Camera, Relief, Scene, Texture, bench_optics};
+use landmarkd::depth::{Calibration, DepthOptions, Estimator, Method, Stage, Window};
 use landmarkd::imaging::{DecodeLimits, decode};
 
 fn depth(criterion: &mut Criterion) {
-    let optics = Optics::new(&OpticsSpec {
-        focal_length_mm: 35.0,
-        aperture: Aperture::FNumber(8.0),
-        near_sensor: NearSensor::FocusMm(500.0),
-        plane_separation_mm: 0.4,
-        pixel_pitch_um: 10.0,
-        telecentric: true,
-        principal_point_px: None,
-    })
-    .unwrap();
+    let optics = bench_optics(8.0, true);
     let camera = Camera { width: 512, height: 480, ..Camera::new(optics) };
     let seen = camera.photograph(&Scene::new(Relief::Slant, Texture::Gravel, 1));
     let (pair, files) = (seen.pair().unwrap(), seen.pngs());

@@ -106,19 +106,10 @@ impl WithSimd for Filter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+    use crate::depth::scene::bench_optics;
 
     fn bank(f_number: f64) -> KernelBank {
-        let spec = OpticsSpec {
-            focal_length_mm: 35.0,
-            aperture: Aperture::FNumber(f_number),
-            near_sensor: NearSensor::FocusMm(500.0),
-            plane_separation_mm: 0.4,
-            pixel_pitch_um: 10.0,
-            telecentric: true,
-            principal_point_px: None,
-        };
-        KernelBank::new(&Optics::new(&spec).unwrap(), 0)
+        KernelBank::new(&bench_optics(f_number, true), 0)
     }
 
     /// Tap by tap.

@@ -288,19 +288,10 @@ fn residual_filters(blur_px: [f64; 2], noise_sigma: f64, frequencies: &[Frequenc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::{Aperture, NearSensor, OpticsSpec};
+    use crate::depth::scene::bench_optics;
 
     fn optics(f_number: f64) -> Optics {
-        let spec = OpticsSpec {
-            focal_length_mm: 35.0,
-            aperture: Aperture::FNumber(f_number),
-            near_sensor: NearSensor::FocusMm(500.0),
-            plane_separation_mm: 0.4,
-            pixel_pitch_um: 10.0,
-            telecentric: true,
-            principal_point_px: None,
-        };
-        Optics::new(&spec).unwrap()
+        bench_optics(f_number, true)
     }
 
     #[test]

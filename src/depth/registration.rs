@@ -293,20 +293,10 @@ fn fitted_affine(places: &[([f64; 2], [f64; 2])]) -> Option<(Affine, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::scene::{Camera, Relief, Scene, Texture};
-    use crate::depth::{Aperture, NearSensor, OpticsSpec};
+    use crate::depth::scene::{Camera, Relief, Scene, Texture, bench_optics};
 
     fn camera(telecentric: bool) -> Camera {
-        let spec = OpticsSpec {
-            focal_length_mm: 35.0,
-            aperture: Aperture::FNumber(8.0),
-            near_sensor: NearSensor::FocusMm(500.0),
-            plane_separation_mm: 0.4,
-            pixel_pitch_um: 10.0,
-            telecentric,
-            principal_point_px: None,
-        };
-        Camera::new(Optics::new(&spec).unwrap())
+        Camera::new(bench_optics(8.0, telecentric))
     }
 
     fn seen(camera: &Camera, texture: Texture) -> FocalPair {

@@ -1,11 +1,8 @@
 //! Paper B, section 4, past the text: what a focal pair says of depth, on rendered scenes of known depth. Every row with
 //! the optics alone and the same options. Seeds 201 to 203, which nothing was tuned with; 16 pixels at the border left out.
 
-use landmarkd::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-use landmarkd::depth::{
-    Aperture, Calibration, DepthMap, DepthOptions, Estimator, Method, NearSensor, Optics, OpticsSpec, Sweep,
-    Warning,
-};
+use landmarkd::depth::scene::{Camera, Relief, Rendered, Scene, Texture, bench_optics};
+use landmarkd::depth::{Calibration, DepthMap, DepthOptions, Estimator, Method, Optics, Sweep, Warning};
 
 const SEEDS: [u64; 3] = [201, 202, 203];
 const BORDER_PX: usize = 16;
@@ -14,22 +11,8 @@ const STEP_PX: f64 = 8.0;
 const DOTS: Texture = Texture::Dots { period_px: 9.0 };
 const STRIPES: Texture = Texture::Stripes { period_px: 10.0 };
 
-/// 35 mm, focused at 500 and 583 mm; blur of 5 px at f/8, 12.5 px at f/3.2.
-fn optics(f_number: f64, telecentric: bool) -> Optics {
-    let spec = OpticsSpec {
-        focal_length_mm: 35.0,
-        aperture: Aperture::FNumber(f_number),
-        near_sensor: NearSensor::FocusMm(500.0),
-        plane_separation_mm: 0.4,
-        pixel_pitch_um: 10.0,
-        telecentric,
-        principal_point_px: None,
-    };
-    Optics::new(&spec).unwrap()
-}
-
 fn camera() -> Camera {
-    Camera::new(optics(8.0, true))
+    Camera::new(bench_optics(8.0, true))
 }
 
 fn measured(seen: &Rendered, calibration: &Calibration, method: Method) -> DepthMap {
@@ -149,15 +132,15 @@ fn slants_are_measured_to_half_a_percent_of_the_range_whatever_they_are_made_of(
 
 #[test]
 fn cones_ordinary_lenses_and_large_blur_are_measured_too() {
-    let large = Camera::new(optics(3.2, true));
-    let ordinary = Camera::new(optics(8.0, false));
+    let large = Camera::new(bench_optics(3.2, true));
+    let ordinary = Camera::new(bench_optics(8.0, false));
     let cases = [
         ("cone, gravel", camera(), Relief::Cone, Texture::Gravel, 1.2),
         ("cone, noise", camera(), Relief::Cone, Texture::Noise, 1.2),
         ("ordinary lens, gravel", ordinary, Relief::Slant, Texture::Gravel, 1.0),
         ("blur 12.5 px, gravel", large, Relief::Slant, Texture::Gravel, 0.9),
         ("blur 12.5 px, noise", large, Relief::Slant, Texture::Noise, 0.9),
-        ("blur 2.3 px, gravel", Camera::new(optics(17.4, true)), Relief::Slant, Texture::Gravel, 0.9),
+        ("blur 2.3 px, gravel", Camera::new(bench_optics(17.4, true)), Relief::Slant, Texture::Gravel, 0.9),
     ];
     for (what, camera, relief, texture, most) in cases {
         let figures = Figures::of(&camera, &Scene::new(relief, texture, 0));
@@ -215,7 +198,7 @@ fn where_there_is_nothing_to_measure_nothing_is_said() {
 
 #[test]
 fn exchanged_pictures_of_an_ordinary_lens_are_noticed() {
-    let camera = Camera::new(optics(8.0, false));
+    let camera = Camera::new(bench_optics(8.0, false));
     let mut seen = camera.photograph(&Scene::new(Relief::Slant, Texture::Gravel, SEEDS[0]));
     let noticed = |seen: &Rendered| {
         let map = measured(seen, &Calibration::of(camera.optics), Method::Gram);
@@ -275,8 +258,8 @@ fn swept(
 
 #[test]
 fn a_sweep_mends_an_aperture_that_is_ten_percent_other_than_stated() {
-    let stated = optics(8.0, true);
-    let camera = Camera::new(optics(8.0 / 1.1, true));
+    let stated = bench_optics(8.0, true);
+    let camera = Camera::new(bench_optics(8.0 / 1.1, true));
     let scene = Scene::new(Relief::Slant, Texture::Gravel, 0);
     let before = Figures::by(&camera, &scene, &Calibration::of(stated), Method::Gram);
     before.say("aperture 10 % wider than stated");
@@ -298,7 +281,7 @@ fn a_sweep_mends_an_aperture_that_is_ten_percent_other_than_stated() {
 #[test]
 fn a_planes_points_lie_in_a_plane_at_its_distance() {
     for telecentric in [true, false] {
-        let camera = Camera::new(optics(8.0, telecentric));
+        let camera = Camera::new(bench_optics(8.0, telecentric));
         let scene = Scene::new(Relief::Plane { share: 0.5 }, Texture::Gravel, SEEDS[0]);
         let seen = camera.photograph(&scene);
         let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
