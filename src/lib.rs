@@ -1,8 +1,8 @@
 //! landmarkd: robots ask where they are and what they see; the answer comes with its evidence.
 //!
 //! The crate docs are the map of the house; `ARCHITECTURE.md` walks through it.
-//! Pure mathematics in the middle (`imaging`, `vision`, `eigen`, `recognition`), waiting and talking at
-//! the rim (`store`, `database`, `jobs`, `http`).
+//! Pure mathematics in the middle (`imaging`, `vision`, `eigen`, `depth`, `recognition`, `workcell`),
+//! waiting and talking at the rim (`store`, `database`, `jobs`, `http`).
 
 pub mod compute;
 pub mod config;
@@ -19,3 +19,4 @@ pub mod serve;
 pub mod store;
 pub mod telemetry;
 pub mod vision;
+pub mod workcell;

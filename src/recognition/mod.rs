@@ -2,6 +2,5 @@
 
 pub mod landmarks;
 pub mod objects;
-mod option_fault;
 
-pub use option_fault::OptionFault;
+pub use crate::vision::OptionFault;

@@ -8,6 +8,8 @@
 pub mod gradient;
 pub mod interest_points;
 pub mod opponent;
+mod option_fault;
+pub mod segmentation;
 pub mod signature;
 pub mod smoothing;
 pub mod subwindow;
@@ -16,6 +18,7 @@ pub mod symmetry;
 pub use gradient::{Gradient, gradient};
 pub use interest_points::{InterestPoint, interest_points};
 pub use opponent::OpponentPlan;
+pub use option_fault::OptionFault;
 pub use signature::{Normalise, SignaturePlan, SignatureScratch, Taper};
 pub use smoothing::smoothed;
 pub use subwindow::{PolarGrid, PolarSubwindow};

@@ -148,6 +148,7 @@ mod tests {
             width_px: Some(64),
             height_px: Some(48),
             resize: Resize::Never,
+            segment: true,
             smoothing: 0.01,
             dimension: Dimension::Fixed(12),
             stages: Stages::UniversalOnly,

@@ -18,6 +18,9 @@ pub(super) struct ObjectDocument {
     width_px: Option<usize>,
     height_px: Option<usize>,
     resize: ResizeWord,
+    /// Left out where it is false: digests from before it was an option stay what they are.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    segment: bool,
     smoothing: f64,
     #[serde(serialize_with = "write_dimension", deserialize_with = "read_dimension")]
     dimension: Dimension,
@@ -58,6 +61,7 @@ impl From<&ObjectOptions> for ObjectDocument {
             width_px: options.width_px,
             height_px: options.height_px,
             resize: options.resize.into(),
+            segment: options.segment,
             smoothing: options.smoothing,
             dimension: options.dimension,
             stages: options.stages.into(),
@@ -81,6 +85,7 @@ impl From<ObjectDocument> for ObjectOptions {
             width_px: document.width_px,
             height_px: document.height_px,
             resize: document.resize.into(),
+            segment: document.segment,
             smoothing: document.smoothing,
             dimension: document.dimension,
             stages: document.stages.into(),

@@ -9,8 +9,10 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
+use super::cutout::{Sole, cutout, glare};
 use super::options::{MAX_SIDE_PX, ObjectOptions, Resize};
 use crate::imaging::{Frame, Image, fitted};
+use crate::vision::segmentation::{Region, Segmentation};
 use crate::vision::smoothed;
 
 /// So many samples to a standard deviation of the smoothing: what they can't show is nearly gone.
@@ -20,6 +22,10 @@ const LEAST_ENERGY: f64 = 0.0025;
 /// A pixel this bright has lost its detail, in a picture of 0..=255.
 const GLARE: f32 = 254.0;
 const MOST_GLARE: f64 = 0.05;
+/// Side of a database's pictures of objects that are cut out, if none is given and its exemplars aren't smaller.
+const CUTOUT_SIDE_PX: u32 = 128;
+/// It is no smaller than what may be given.
+const LEAST_SIDE_PX: u32 = 8;
 /// A picture in which no hundredth of the pixels is brighter is under-exposed.
 const DIM: f32 = 48.0;
 const BRIGHTEST_PART: f64 = 0.01;
@@ -43,6 +49,7 @@ pub struct Canvas {
     pub(super) width_px: usize,
     pub(super) height_px: usize,
     resize: Resize,
+    segment: bool,
     sigma_px: f64,
     /// Sides of the squares of pixels that make one sample.
     step_px: usize,
@@ -59,10 +66,14 @@ pub struct Appearance {
     pub over_exposed: bool,
     /// Hardly a pixel reaches a fifth of the brightest.
     pub under_exposed: bool,
+    /// The object was cut out of a picture that may not hold it whole.
+    pub touches_border: bool,
+    /// The object was cut out of a picture with another one nearly as large.
+    pub crowded: bool,
 }
 
 impl Appearance {
-    /// Whether the picture is black.
+    /// Whether the picture is black, or nothing stood out of it.
     pub fn is_blank(&self) -> bool {
         self.vector.iter().all(|&v| v == 0.0)
     }
@@ -79,8 +90,12 @@ pub fn common_size(sizes: impl IntoIterator<Item = (u32, u32)>) -> Option<(u32, 
 
 impl Canvas {
     /// The canvas of a database whose commonest picture has `size_px` (width, height): of the size that the options
-    /// name, or else of that one, shrunk to 1024 px a side.
+    /// name, or else of that one, shrunk to 1024 px a side; for objects that are cut out a square of 128 px.
     pub fn new(options: &ObjectOptions, size_px: (u32, u32)) -> Canvas {
+        let size_px = match options.segment {
+            true => [size_px.0.min(size_px.1).clamp(LEAST_SIDE_PX, CUTOUT_SIDE_PX); 2].into(),
+            false => size_px,
+        };
         let (width, height) = (f64::from(size_px.0), f64::from(size_px.1));
         let shrink = (MAX_SIDE_PX as f64 / width.max(height)).min(1.0);
         let side = |length: f64| ((length * shrink).round() as usize).max(1);
@@ -88,7 +103,7 @@ impl Canvas {
         let height_px = options.height_px.unwrap_or(side(height));
         let sigma_px = options.smoothing * width_px.max(height_px) as f64;
         let step_px = ((sigma_px / SAMPLES_A_SIGMA) as usize).clamp(1, width_px.min(height_px).max(1));
-        Canvas { width_px, height_px, resize: options.resize, sigma_px, step_px }
+        Canvas { width_px, height_px, resize: options.resize, segment: options.segment, sigma_px, step_px }
     }
 
     /// Width and height of the picture that an appearance is: samples, not pixels.
@@ -102,9 +117,16 @@ impl Canvas {
         columns * rows
     }
 
-    /// The appearance of a picture: its luminance, in the canvas' size, smoothed, sampled, of unit energy.
+    /// The appearance of a picture: its luminance, or the object cut out of it, in the canvas' size, smoothed, sampled,
+    /// of unit energy.
+    ///
+    /// # Errors
+    /// [`SizeMismatch`], unless objects are cut out.
     pub fn appearance(&self, frame: &Frame) -> Result<Appearance, SizeMismatch> {
         let luminance = &frame.luminance;
+        if self.segment {
+            return Ok(self.sole_appearance(luminance));
+        }
         let resized = (luminance.width(), luminance.height()) != (self.width_px, self.height_px);
         if resized && self.resize == Resize::Never {
             return Err(SizeMismatch {
@@ -114,17 +136,56 @@ impl Canvas {
                 expected_height_px: self.height_px,
             });
         }
-        let (over_exposed, under_exposed) = exposure(luminance);
-        let smooth = match resized {
-            true => smoothed(&fitted(luminance, self.width_px, self.height_px), self.sigma_px as f32),
-            false => smoothed(luminance, self.sigma_px as f32),
+        let exposure = exposure(luminance);
+        let appearance = match resized {
+            true => self.described(&fitted(luminance, self.width_px, self.height_px), exposure),
+            false => self.described(luminance, exposure),
         };
-        let mut vector = self.sampled(&smooth);
+        Ok(Appearance { resized, ..appearance })
+    }
+
+    /// The appearance of a region of a picture, by the recipe of [`cutout`], whatever the canvas does with others.
+    pub fn region_appearance(
+        &self,
+        luminance: &Image,
+        segmentation: &Segmentation,
+        region: &Region,
+    ) -> Appearance {
+        let picture = cutout(luminance, segmentation, region, (self.width_px, self.height_px));
+        // The negative of what is black is bright, and small glare is gone from a small picture.
+        let over_exposed = glare(luminance, segmentation, region, GLARE) > MOST_GLARE;
+        let (_, under_exposed) = exposure(&picture);
+        let appearance = self.described(&picture, (over_exposed, under_exposed));
+        Appearance { touches_border: region.touches_border, ..appearance }
+    }
+
+    /// The appearance of the largest region of a picture; blank if nothing stands out.
+    fn sole_appearance(&self, luminance: &Image) -> Appearance {
+        let sole = Sole::of(luminance);
+        let appearance = match sole.segmentation.regions.first() {
+            Some(region) => self.region_appearance(luminance, &sole.segmentation, region),
+            None => {
+                self.described(&Image::from_fn(self.width_px, self.height_px, |_, _| 0.0), (false, false))
+            }
+        };
+        Appearance { crowded: sole.crowded, ..appearance }
+    }
+
+    /// The appearance of a picture of the canvas' size.
+    fn described(&self, picture: &Image, (over_exposed, under_exposed): (bool, bool)) -> Appearance {
+        let mut vector = self.sampled(&smoothed(picture, self.sigma_px as f32));
         let energy = vector.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>();
         // B(7)
         let scale = if energy > LEAST_ENERGY * vector.len() as f64 { 1.0 / energy.sqrt() } else { 0.0 };
         vector.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
-        Ok(Appearance { vector, resized, over_exposed, under_exposed })
+        Appearance {
+            vector,
+            resized: false,
+            over_exposed,
+            under_exposed,
+            touches_border: false,
+            crowded: false,
+        }
     }
 
     /// The mean of each square of pixels; what is left of a square at the right and lower border is not sampled.
@@ -219,6 +280,25 @@ mod tests {
         assert_eq!((canvas.width_px, canvas.height_px), (1024, 512));
         assert!(canvas.length() < 10_000, "{}", canvas.length());
         assert_eq!(Canvas::new(&ObjectOptions::default(), (65_535, 1)).samples().1, 1);
+    }
+
+    #[test]
+    fn an_object_that_is_cut_out_may_stand_anywhere() {
+        let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
+        let canvas = Canvas::new(&options, (320, 240));
+        assert_eq!((canvas.width_px, canvas.height_px), (128, 128));
+        let at = |x: f32, y: f32, ground: f32| {
+            Frame::gray(Image::from_fn(320, 240, |column, row| {
+                let (dx, dy) = (column as f32 - x, row as f32 - y);
+                if (dx / 40.0).powi(2) + (dy / 25.0).powi(2) < 1.0 { 130.0 + dx } else { ground }
+            }))
+        };
+        let here = canvas.appearance(&at(100.0, 80.0, 0.0)).unwrap();
+        let there = canvas.appearance(&at(200.4, 150.7, 25.0)).unwrap();
+        assert!(apart(&here, &there) < 0.03, "{}", apart(&here, &there));
+        assert!(!here.resized && !here.touches_border && !here.crowded);
+        assert!(canvas.appearance(&at(300.0, 80.0, 0.0)).unwrap().touches_border);
+        assert!(canvas.appearance(&Frame::gray(Image::from_fn(320, 240, |_, _| 90.0))).unwrap().is_blank());
     }
 
     #[test]

@@ -7,6 +7,7 @@
 pub mod annotated;
 pub mod appearance;
 pub mod calibration;
+mod cutout;
 mod held_out;
 mod manifold;
 pub mod model;

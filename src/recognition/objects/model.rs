@@ -1,12 +1,13 @@
 //! A trained object database: an immutable value that recognises pictures.
 
-use super::appearance::{Canvas, SizeMismatch};
+use super::appearance::{Appearance, Canvas, SizeMismatch};
 use super::calibration::Calibration;
 use super::object::{Closeness, KnownObject};
 use super::options::{ObjectOptions, Search, Stages};
 use super::recognition::{Candidate, Decision, Recognition, Warning};
 use crate::eigen::{ClassCovariance, Eigenspace, Vicinity, Way};
 use crate::imaging::{Frame, Image};
+use crate::vision::segmentation::{Region, Segmentation};
 
 /// Objects that are looked at closely. On 20 objects and 12 dimensions the right one is always among the first three.
 pub(super) const CANDIDATES: usize = 5;
@@ -73,16 +74,42 @@ impl Objects {
     ) -> Result<Recognition, SizeMismatch> {
         let appearance = self.canvas.appearance(frame)?; // B(7)
         finished(Stage::Appearance);
-        let mut warnings = Vec::new();
-        if appearance.resized {
-            warnings.push(Warning::Resized);
-        }
-        if appearance.over_exposed {
-            warnings.push(Warning::OverExposed);
-        }
+        let blank = if self.options.segment { Warning::NoRegion } else { Warning::Blank };
+        Ok(self.recognise_appearance(&appearance, blank, finished))
+    }
+
+    /// Recognise a region of a picture, cut out by the recipe that `segment` names for exemplars. `finished` as in
+    /// [`Objects::recognise`].
+    pub fn recognise_region(
+        &self,
+        luminance: &Image,
+        segmentation: &Segmentation,
+        region: &Region,
+        mut finished: impl FnMut(Stage),
+    ) -> Recognition {
+        let appearance = self.canvas.region_appearance(luminance, segmentation, region); // B(7)
+        finished(Stage::Appearance);
+        self.recognise_appearance(&appearance, Warning::Blank, finished)
+    }
+
+    /// `blank` says why an appearance is blank, if it is.
+    fn recognise_appearance(
+        &self,
+        appearance: &Appearance,
+        blank: Warning,
+        mut finished: impl FnMut(Stage),
+    ) -> Recognition {
+        let doubts = [
+            (appearance.resized, Warning::Resized),
+            (appearance.touches_border, Warning::TouchesBorder),
+            (appearance.crowded, Warning::SeveralRegions),
+            (appearance.over_exposed, Warning::OverExposed),
+            (appearance.is_blank(), blank),
+        ];
+        let mut warnings: Vec<Warning> =
+            doubts.into_iter().filter(|(is_so, _)| *is_so).map(|(_, warning)| warning).collect();
         if appearance.is_blank() {
-            warnings.push(Warning::Blank);
-            return Ok(Recognition { decision: None, candidates: Vec::new(), warnings });
+            return Recognition { decision: None, candidates: Vec::new(), warnings };
         }
 
         let (point, outside) = self.universal.locate(&appearance.vector); // B(13)
@@ -124,7 +151,7 @@ impl Objects {
         });
         let recognition = Recognition { decision, candidates: candidates.collect(), warnings };
         finished(Stage::Object);
-        Ok(recognition)
+        recognition
     }
 
     /// The objects to look at closely, the likeliest first, and whether any has a view within the radius.

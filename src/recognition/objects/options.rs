@@ -59,6 +59,9 @@ pub struct ObjectOptions {
     pub height_px: Option<usize>,
     /// What becomes of a picture of another size.
     pub resize: Resize,
+    /// Whether the object is cut out of its picture first: the largest region that stands out from the background, in
+    /// the square about its centroid, on black (B§3). Pictures are then square, of 128 px unless a size is given.
+    pub segment: bool,
     /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side, 0..=0.1.
     /// The paper does not smooth: 0. See [`ObjectOptions::SMOOTHING`].
     pub smoothing: f64,
@@ -118,6 +121,7 @@ impl Default for ObjectOptions {
             width_px: None,
             height_px: None,
             resize: Resize::Fit,
+            segment: false,
             smoothing: ObjectOptions::SMOOTHING,
             dimension: Dimension::Auto,
             stages: Stages::UniversalThenObject,

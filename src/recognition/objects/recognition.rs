@@ -60,6 +60,12 @@ pub enum Warning {
     Resized,
     /// The picture is black.
     Blank,
+    /// The object was to be cut out, and nothing stands out from the background.
+    NoRegion,
+    /// The object was cut out of a picture that may not hold it whole.
+    TouchesBorder,
+    /// The object was cut out of a picture with another one nearly as large.
+    SeveralRegions,
     /// Much of the picture is as bright as can be: its shading is lost.
     OverExposed,
     /// Nothing known is near enough.
@@ -76,6 +82,9 @@ impl Warning {
         match self {
             Warning::Resized => "resized",
             Warning::Blank => "blank_picture",
+            Warning::NoRegion => "no_region",
+            Warning::TouchesBorder => "touches_border",
+            Warning::SeveralRegions => "several_regions",
             Warning::OverExposed => "over_exposed",
             Warning::BeyondThreshold => "beyond_threshold",
             Warning::CloseSecond => "close_second",
@@ -89,6 +98,11 @@ impl fmt::Display for Warning {
         f.write_str(match self {
             Warning::Resized => "the picture was scaled to the database's size",
             Warning::Blank => "the picture is black: there is nothing to recognise",
+            Warning::NoRegion => "nothing stands out from the background",
+            Warning::TouchesBorder => {
+                "the picture's border cuts the object: what is missing may change the answer"
+            }
+            Warning::SeveralRegions => "several things stand out: the largest was looked at",
             Warning::OverExposed => "much of the picture is as bright as can be: its shading is lost",
             Warning::BeyondThreshold => "nothing that is known is near enough",
             Warning::CloseSecond => "another object is nearly as near",

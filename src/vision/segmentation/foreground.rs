@@ -1,0 +1,179 @@
+//! What stands out from the background: by the mean of the background around each pixel, by Otsu's level, or by a fixed
+//! one.
+//!
+//! The adaptive threshold looks three times. The mean around a pixel tells a lower class; that class's mean, what is
+//! near the background; and the mean of that, without what stands out, is the background. So bright parts don't lift
+//! the background around them, and a part needn't be smaller than half the window to be whole. The text takes the mean
+//! alone.
+
+use super::background::Background;
+use super::{SegmentationOptions, Threshold};
+
+/// How far a pixel must stand out at least, in grey levels.
+const LEAST_OFFSET: f32 = 10.0;
+/// How far it must stand out at most, if the offset is chosen.
+const MOST_OFFSET: f32 = 60.0;
+/// The chosen offset in standard deviations of the background.
+const OFFSET_SIGMAS: f32 = 4.0;
+/// The window is the picture's shorter side by this, if it is chosen.
+const WINDOWS_A_SIDE: usize = 3;
+/// The deviation of the background is looked at in every so manieth row.
+const EVERY_ROW: usize = 4;
+/// From a median absolute deviation to a standard deviation.
+const SIGMAS_A_DEVIATION: f32 = 1.4826;
+/// Steps of deviations in grey levels, and how many there are.
+const DEVIATION_STEP: f32 = 0.125;
+const DEVIATION_STEPS: usize = 1024;
+
+/// A picture over its background.
+pub(super) struct Foreground {
+    /// By how much each pixel is brighter than its background, in grey levels, row-major.
+    pub above: Vec<f32>,
+    /// By how much it must be.
+    pub offset: f32,
+}
+
+impl Foreground {
+    /// Of a picture in which what is looked for is light; `width` pixels a row.
+    pub fn of(levels: &[f32], width: usize, options: &SegmentationOptions) -> Foreground {
+        match options.threshold {
+            Threshold::Adaptive => adaptive(levels, width, options),
+            Threshold::Otsu => beyond(levels, otsu_level(levels)),
+            Threshold::Fixed(level) => beyond(levels, level as f32),
+        }
+    }
+}
+
+/// The background is the mean of what isn't above the level.
+fn beyond(levels: &[f32], level: f32) -> Foreground {
+    let below = |v: f32| if v <= level { 1.0 } else { 0.0 };
+    // Piece by piece, so that no sum loses what is small.
+    let (mut sum, mut count) = (0.0, 0.0);
+    for levels in levels.chunks(1024) {
+        sum += f64::from(levels.iter().map(|&v| below(v) * v).sum::<f32>());
+        count += f64::from(levels.iter().map(|&v| below(v)).sum::<f32>());
+    }
+    let background = if count > 0.0 { (sum / count) as f32 } else { level };
+    Foreground { above: levels.iter().map(|v| v - background).collect(), offset: level - background }
+}
+
+/// Otsu's level: the one between two classes of grey levels whose means are farthest apart, by their variance.
+/// "At most" is background. Pictures of one level have none that is above it.
+fn otsu_level(levels: &[f32]) -> f32 {
+    let mut counts = [0_usize; 256];
+    for level in levels {
+        counts[(level + 0.5).clamp(0.0, 255.0) as usize] += 1;
+    }
+    let all = levels.len() as f64;
+    let sum: f64 = counts.iter().enumerate().map(|(level, &count)| level as f64 * count as f64).sum();
+    let (mut below, mut below_sum) = (0.0, 0.0);
+    let (mut best, mut best_level) = (0.0, 255);
+    for (level, &count) in counts.iter().enumerate() {
+        below += count as f64;
+        below_sum += level as f64 * count as f64;
+        let above = all - below;
+        if below > 0.0 && above > 0.0 {
+            let apart = below_sum / below - (sum - below_sum) / above;
+            let between = below * above * apart.powi(2);
+            if between > best {
+                (best, best_level) = (between, level);
+            }
+        }
+    }
+    // Levels were rounded to be counted.
+    best_level as f32 + 0.5
+}
+
+fn adaptive(levels: &[f32], width: usize, options: &SegmentationOptions) -> Foreground {
+    let height = levels.len() / width.max(1);
+    let side = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
+    let near = options.offset.map_or(LEAST_OFFSET, |offset| offset as f32);
+    let mut background = Background::new(width, height, side);
+    let mut ground = vec![f32::INFINITY; levels.len()];
+    for offset in [0.0, 0.0, near] {
+        background.take_means(levels, &ground, offset);
+        background.draw(&mut ground);
+    }
+    let mut above = ground;
+    above.iter_mut().zip(levels).for_each(|(above, v)| *above = v - *above);
+    let offset = match options.offset {
+        Some(offset) => offset as f32,
+        None => (OFFSET_SIGMAS * deviation(&above, width)).clamp(LEAST_OFFSET, MOST_OFFSET),
+    };
+    Foreground { above, offset }
+}
+
+/// Standard deviation of the background, by the median absolute deviation in every [`EVERY_ROW`]th row.
+fn deviation(above: &[f32], width: usize) -> f32 {
+    let mut counts = [0_usize; DEVIATION_STEPS];
+    for row in above.chunks_exact(width.max(1)).step_by(EVERY_ROW) {
+        for v in row.iter().filter(|&&v| v <= LEAST_OFFSET) {
+            counts[((v.abs() / DEVIATION_STEP) as usize).min(DEVIATION_STEPS - 1)] += 1;
+        }
+    }
+    let half = counts.iter().sum::<usize>() / 2;
+    let mut seen = 0;
+    let median = counts.iter().position(|count| {
+        seen += count;
+        seen > half
+    });
+    median.map_or(0.0, |step| SIGMAS_A_DEVIATION * (step as f32 + 0.5) * DEVIATION_STEP)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(x: usize, y: usize) -> f32 {
+        20.0 + ((x * 7 + y * 13) % 5) as f32
+    }
+
+    #[test]
+    fn bright_parts_do_not_lift_the_background_around_them() {
+        let (width, height) = (120, 90);
+        let part = |x: usize, y: usize| (40..70).contains(&x) && (30..60).contains(&y);
+        let levels: Vec<f32> = (0..width * height)
+            .map(|at| (at % width, at / width))
+            .map(|(x, y)| if part(x, y) { 220.0 } else { table(x, y) })
+            .collect();
+        let foreground = Foreground::of(&levels, width, &SegmentationOptions::default());
+        for (at, &above) in foreground.above.iter().enumerate() {
+            let (x, y) = (at % width, at / width);
+            assert_eq!(above > foreground.offset, part(x, y), "({x}, {y}): {above}");
+            assert!(part(x, y) || above.abs() < 4.0, "({x}, {y}): {above}");
+        }
+    }
+
+    #[test]
+    fn the_offset_follows_the_noise_of_the_background() {
+        let uneven =
+            |step: f32| -> Vec<f32> { (0..10_000).map(|at| 60.0 + step * ((at * 31) % 11) as f32).collect() };
+        let offset = |step| Foreground::of(&uneven(step), 100, &SegmentationOptions::default()).offset;
+        assert_eq!(offset(0.1), LEAST_OFFSET);
+        assert!(offset(2.0) > 1.5 * LEAST_OFFSET, "{}", offset(2.0));
+        let stated = SegmentationOptions { offset: Some(33.0), ..SegmentationOptions::default() };
+        assert_eq!(Foreground::of(&uneven(2.0), 100, &stated).offset, 33.0);
+    }
+
+    #[test]
+    fn otsus_level_lies_between_two_classes() {
+        let levels: Vec<f32> =
+            (0..1000).map(|at| if at % 4 == 0 { 180.0 } else { 30.0 } + (at % 9) as f32).collect();
+        let level = otsu_level(&levels);
+        assert!((38.0..180.0).contains(&level), "{level}");
+        let otsu = SegmentationOptions { threshold: Threshold::Otsu, ..SegmentationOptions::default() };
+        let foreground = Foreground::of(&levels, 100, &otsu);
+        assert_eq!(foreground.above.iter().filter(|&&v| v > foreground.offset).count(), 250);
+        let flat = Foreground::of(&[7.0; 50], 10, &otsu);
+        assert!(flat.above.iter().all(|&v| v <= flat.offset), "one level has nothing above it");
+    }
+
+    #[test]
+    fn a_fixed_level_is_that_level() {
+        let fixed =
+            SegmentationOptions { threshold: Threshold::Fixed(99.0), ..SegmentationOptions::default() };
+        let foreground = Foreground::of(&[0.0, 98.0, 99.0, 100.0, 200.0], 5, &fixed);
+        let out: Vec<bool> = foreground.above.iter().map(|&v| v > foreground.offset).collect();
+        assert_eq!(out, [false, false, false, true, true]);
+    }
+}

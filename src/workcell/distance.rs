@@ -1,0 +1,41 @@
+//! How far away a part is: the depth map within its region.
+
+use crate::depth::DepthMap;
+use crate::vision::segmentation::{Region, Segmentation};
+
+/// The distance of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// Median of the depths within the region.
+    pub distance_mm: f64,
+    /// Standard deviation to be expected, if the method tells one: that of a single depth, by its median. What is wrong with one depth of a part
+    /// is wrong with its neighbours, so that many make the median hardly surer.
+    pub sigma_mm: Option<f64>,
+    /// Part of the region's pixels that have a depth, above 0.
+    pub coverage: f64,
+}
+
+impl Distance {
+    /// The distance of a region; `None` if none of its pixels has a depth.
+    ///
+    /// # Panics
+    /// If map and segmentation are of different size.
+    pub fn of(region: &Region, segmentation: &Segmentation, map: &DepthMap) -> Option<Distance> {
+        let size = (segmentation.width(), segmentation.height());
+        assert_eq!((map.width(), map.height()), size, "a map of the picture's size");
+        let inside = segmentation
+            .runs(region)
+            .flat_map(|(row, columns)| columns.map(move |x| row * map.width() + x))
+            .filter(|&at| map.depth_mm()[at].is_finite());
+        let (mut depths, mut sigmas): (Vec<f32>, Vec<f32>) =
+            inside.map(|at| (map.depth_mm()[at], map.sigma_mm()[at])).unzip();
+        sigmas.retain(|sigma| sigma.is_finite());
+        let coverage = depths.len() as f64 / region.area_px as f64;
+        Some(Distance { distance_mm: median(&mut depths)?, sigma_mm: median(&mut sigmas), coverage })
+    }
+}
+
+fn median(values: &mut [f32]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1))
+}
