@@ -49,8 +49,8 @@ pub struct Metrics {
     registry: Registry,
     requests: IntCounterVec,
     request_seconds: HistogramVec,
-    stage_seconds: HistogramVec,
-    depth_stage_seconds: HistogramVec,
+    /// In the order of [`Work::ALL`].
+    stage_seconds: [HistogramVec; 3],
     /// Pieces of work running and waiting, by lane.
     pub pool_running: IntGaugeVec,
     pub pool_waiting: IntGaugeVec,
@@ -62,13 +62,58 @@ pub struct Metrics {
     training_seconds: Histogram,
 }
 
-/// The stages of a recognition, as `landmarkd_recognition_stage_seconds{stage}` names them.
-pub const STAGES: [&str; 9] =
-    ["queue", "decode", "attention", "signature", "search", "vote", "appearance", "universal", "object"];
+/// Work on pictures whose stages are timed, each kind by a histogram of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// `landmarkd_recognition_stage_seconds{stage}`
+    Recognition,
+    /// `landmarkd_depth_stage_seconds{stage}`
+    Depth,
+    /// `landmarkd_workcell_stage_seconds{stage}`: segmentations, inspections and centrings.
+    Workcell,
+}
 
-/// The stages of a depth map, as `landmarkd_depth_stage_seconds{stage}` names them.
-pub const DEPTH_STAGES: [&str; 8] =
-    ["queue", "design", "decode", "register", "match", "estimate", "judge", "encode"];
+impl Work {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Recognition, Self::Depth, Self::Workcell];
+
+    /// Its stages, as the histogram names them.
+    pub const fn stages(self) -> &'static [&'static str] {
+        match self {
+            Self::Recognition => &[
+                "queue",
+                "decode",
+                "attention",
+                "signature",
+                "search",
+                "vote",
+                "appearance",
+                "universal",
+                "object",
+            ],
+            Self::Depth => &["queue", "design", "decode", "register", "match", "estimate", "judge", "encode"],
+            Self::Workcell => {
+                &["queue", "decode", "segment", "cut", "recognise", "design", "depth", "encode"]
+            }
+        }
+    }
+
+    fn histogram(self) -> prometheus::Result<HistogramVec> {
+        let (name, help) = match self {
+            Self::Recognition => {
+                ("landmarkd_recognition_stage_seconds", "Time of each stage of a recognition")
+            }
+            Self::Depth => ("landmarkd_depth_stage_seconds", "Time of each stage of a depth map"),
+            Self::Workcell => (
+                "landmarkd_workcell_stage_seconds",
+                "Time of each stage of a segmentation, inspection or centring",
+            ),
+        };
+        let buckets =
+            vec![0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0];
+        HistogramVec::new(HistogramOpts::new(name, help).buckets(buckets), &["stage"])
+    }
+}
 
 impl Default for Metrics {
     fn default() -> Self {
@@ -80,8 +125,6 @@ impl Metrics {
     /// A registry with every metric of the service at zero.
     pub fn new() -> Self {
         let registry = Registry::new();
-        let stage_buckets =
-            vec![0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0];
         let request_buckets = vec![0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0];
         let metrics = Self {
             requests: register(
@@ -99,25 +142,7 @@ impl Metrics {
                     &["method", "route"],
                 ),
             ),
-            stage_seconds: register(
-                &registry,
-                HistogramVec::new(
-                    HistogramOpts::new(
-                        "landmarkd_recognition_stage_seconds",
-                        "Time of each stage of a recognition",
-                    )
-                    .buckets(stage_buckets),
-                    &["stage"],
-                ),
-            ),
-            depth_stage_seconds: register(
-                &registry,
-                HistogramVec::new(
-                    HistogramOpts::new("landmarkd_depth_stage_seconds", "Time of each stage of a depth map")
-                        .buckets(vec![0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0]),
-                    &["stage"],
-                ),
-            ),
+            stage_seconds: Work::ALL.map(|work| register(&registry, work.histogram())),
             pool_running: register(
                 &registry,
                 IntGaugeVec::new(
@@ -156,11 +181,10 @@ impl Metrics {
             ),
             registry,
         };
-        for stage in STAGES {
-            metrics.stage_seconds.with_label_values(&[stage]);
-        }
-        for stage in DEPTH_STAGES {
-            metrics.depth_stage_seconds.with_label_values(&[stage]);
+        for work in Work::ALL {
+            for stage in work.stages() {
+                metrics.stage_seconds[work as usize].with_label_values(&[stage]);
+            }
         }
         #[cfg(target_os = "linux")]
         metrics
@@ -176,14 +200,9 @@ impl Metrics {
         self.request_seconds.with_label_values(&[method, route]).observe(took.as_secs_f64());
     }
 
-    /// One stage of one recognition; `stage` is one of [`STAGES`].
-    pub fn stage(&self, stage: &str, took: Duration) {
-        self.stage_seconds.with_label_values(&[stage]).observe(took.as_secs_f64());
-    }
-
-    /// One stage of one depth map; `stage` is one of [`DEPTH_STAGES`].
-    pub fn depth_stage(&self, stage: &str, took: Duration) {
-        self.depth_stage_seconds.with_label_values(&[stage]).observe(took.as_secs_f64());
+    /// One stage of one piece of work; `stage` is one of [`Work::stages`].
+    pub fn stage(&self, work: Work, stage: &str, took: Duration) {
+        self.stage_seconds[work as usize].with_label_values(&[stage]).observe(took.as_secs_f64());
     }
 
     /// One finished training.
@@ -214,8 +233,11 @@ mod tests {
         metrics.request("GET", "/v1/databases/{database}", 404, Duration::from_millis(3));
         let text = metrics.text();
         assert!(text.contains(r#"route="/v1/databases/{database}",status="404"} 1"#), "{text}");
-        for stage in STAGES {
-            assert!(text.contains(&format!(r#"stage="{stage}""#)), "{stage} is missing");
+        for (work, name) in Work::ALL.into_iter().zip(["recognition", "depth", "workcell"]) {
+            for stage in work.stages() {
+                let line = format!("landmarkd_{name}_stage_seconds_count{{stage=\"{stage}\"}} 0");
+                assert!(text.contains(&line), "{line} is missing");
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::compute::ComputeError;
 use crate::database::artifact::ArtifactError;
 use crate::database::calibrations::UnreadableCalibration;
+use crate::database::workcells::UnreadableWorkcell;
 use crate::store::{BlobError, CatalogueError};
 
 /// Why a call on a database failed. The HTTP rim gives each its code and status.
@@ -26,6 +27,16 @@ pub enum DatabaseError {
         #[source]
         source: UnreadableCalibration,
     },
+    #[error("there is no workcell {workcell}")]
+    UnknownWorkcell { workcell: String },
+    #[error("workcell {workcell} can't be read back")]
+    UnreadableWorkcell {
+        workcell: String,
+        #[source]
+        source: UnreadableWorkcell,
+    },
+    #[error("database {database} is of kind {kind}, not of kind {wanted}")]
+    WrongKind { database: String, kind: String, wanted: &'static str },
     #[error("database {database} is of kind {kind}")]
     KindConflict { database: String, kind: String },
     #[error("database {database} has no version yet")]

@@ -1,5 +1,5 @@
 //! Databases: names, exemplars, options, versions, aliases; the registry of loaded versions; the artifact format.
-//! Calibrations of depth rigs stand beside them.
+//! Calibrations of depth rigs and workcells stand beside them.
 //!
 //! [`Databases`] is the door. What it writes, it writes in the order of the protocol: the blob, then its row, then
 //! the alias. Plain records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves: they carry no
@@ -16,6 +16,7 @@ pub mod options;
 pub mod registry;
 mod report;
 mod version;
+mod workcells;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,6 +32,7 @@ pub use report::{
     OneObjectReport, PoseErrorsReport, Report, ReportTimings,
 };
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
+pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};
 
 pub use crate::store::{
     AliasExpectation, AliasRow, DatabaseCounts, DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow,

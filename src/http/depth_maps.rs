@@ -22,6 +22,7 @@ use crate::compute::Lane;
 use crate::database::{FrameHeader, Name};
 use crate::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
 use crate::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
+use crate::telemetry::Work;
 
 /// Which planes an array has.
 #[derive(Debug, Clone, Default, Deserialize, IntoParams)]
@@ -350,8 +351,8 @@ impl Service {
         };
         let (measured, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
         let Measured { summary, size_px, file, clocked } = measured?;
-        self.metrics.depth_stage("queue", queue);
-        clocked.iter().for_each(|(stage, took)| self.metrics.depth_stage(stage, *took));
+        self.metrics.stage(Work::Depth, "queue", queue);
+        clocked.iter().for_each(|(stage, took)| self.metrics.stage(Work::Depth, stage, *took));
         if let Some(file) = file {
             return Ok(file.into_response(&summary));
         }

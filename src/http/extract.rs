@@ -103,10 +103,13 @@ fn parse(bytes: &[u8]) -> Result<serde_json::Value, Problem> {
 }
 
 fn read_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, Problem> {
-    serde_path_to_error::deserialize(value).map_err(|error| {
-        let pointer = pointer(error.path());
-        Problem::fields(vec![FieldError { pointer, detail: error.inner().to_string() }])
-    })
+    from_value(value).map_err(|fault| Problem::fields(vec![fault]))
+}
+
+/// Read a value: what is wrong with it points to where it is wrong.
+pub fn from_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, FieldError> {
+    serde_path_to_error::deserialize(value)
+        .map_err(|error| FieldError { pointer: pointer(error.path()), detail: error.inner().to_string() })
 }
 
 /// The JSON pointer of a path.

@@ -7,6 +7,7 @@ pub mod accept;
 mod aliases;
 pub mod body;
 mod calibrations;
+mod centrings;
 mod databases;
 mod depth_maps;
 mod eigenimages;
@@ -15,6 +16,7 @@ mod exemplar_batches;
 mod exemplars;
 mod extract;
 mod info;
+mod inspections;
 mod jobs;
 pub mod openapi;
 mod optics;
@@ -22,12 +24,16 @@ mod options;
 mod pages;
 pub mod problem;
 mod recognitions;
+mod regions;
 mod reports;
 mod rim;
+mod segmentations;
+mod stages;
 mod sweeps;
 mod trainings;
 mod uploads;
 mod versions;
+mod workcells;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -99,6 +105,11 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(calibrations::register))
         .routes(routes!(sweeps::post))
         .routes(routes!(depth_maps::post))
+        .routes(routes!(segmentations::post))
+        .routes(routes!(workcells::list))
+        .routes(routes!(workcells::put, workcells::get, workcells::delete))
+        .routes(routes!(inspections::post))
+        .routes(routes!(centrings::post))
         .routes(routes!(jobs::list))
         .routes(routes!(jobs::get, jobs::cancel))
         .routes(routes!(jobs::events))

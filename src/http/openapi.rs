@@ -13,7 +13,7 @@ use super::routes;
         title = "landmarkd",
         description = "Robots ask where they are and what they see: places and objects by local appearance, \
                        objects and how they are turned by their whole appearance, how far away everything is by \
-                       two focal settings, with the evidence behind each answer. Coordinates are pixels, x right, y down, origin at the \
+                       two focal settings, which parts are on a table and where to reach, with the evidence behind each answer. Coordinates are pixels, x right, y down, origin at the \
                        centre of the top-left pixel. Errors are RFC 9457 problem documents.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
@@ -23,6 +23,7 @@ use super::routes;
         (name = "databases", description = "Exemplars, versions and aliases under a name"),
         (name = "recognition", description = "Ask a frame what it shows"),
         (name = "depth", description = "How far away everything is, from a near- and a far-focused picture"),
+        (name = "workcell", description = "Find every part on a table, say what it is, and where to reach"),
         (name = "jobs", description = "Long work, watched and cancelled"),
     )
 )]

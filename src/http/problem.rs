@@ -50,6 +50,7 @@ codes! {
     UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias",
     UnknownEigenimage "unknown_eigenimage" NOT_FOUND "There is no such eigenimage",
     UnknownCalibration "unknown_calibration" NOT_FOUND "There is no such calibration",
+    UnknownWorkcell "unknown_workcell" NOT_FOUND "There is no such workcell",
     UnknownJob "unknown_job" NOT_FOUND "There is no such job",
     MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
     NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
@@ -85,6 +86,7 @@ codes! {
     ImageSizeMismatch "image_size_mismatch" UNPROCESSABLE_ENTITY "The picture is not of the size it must have",
     UnreadableExemplar "unreadable_exemplar" UNPROCESSABLE_ENTITY "An exemplar can't be read",
     InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
+    NoRegion "no_region" UNPROCESSABLE_ENTITY "The picture has no such region",
     NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
     Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done",
     DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
@@ -365,6 +367,13 @@ impl From<DatabaseError> for Problem {
                 problem(Code::CalibrationChanged, ": read it again and decide anew")
             }
             error @ DatabaseError::UnreadableCalibration { .. } => Self::internal(&error),
+            DatabaseError::UnknownWorkcell { .. } => {
+                problem(Code::UnknownWorkcell, "; create it with PUT /v1/workcells/{name}")
+            }
+            error @ DatabaseError::UnreadableWorkcell { .. } => Self::internal(&error),
+            DatabaseError::WrongKind { .. } => {
+                problem(Code::KindConflict, ": PUT /v1/workcells/{name} with a database of that kind")
+            }
             DatabaseError::KindConflict { .. } => {
                 problem(Code::KindConflict, ": delete it first, or take another name")
             }

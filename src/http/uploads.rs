@@ -64,6 +64,11 @@ impl Picture {
         ))
     }
 
+    /// The same, holding the body's room for as long as it is held.
+    pub fn with_share(self, share: BodyShare) -> Self {
+        Self { _share: Some(share), ..self }
+    }
+
     /// The picture in these bytes, judged by their header.
     ///
     /// # Errors
@@ -95,8 +100,7 @@ impl FromRequest<Service> for OnePicture {
             while let Some((name, field)) = form.next().await? {
                 if name == "image" {
                     let bytes = field.read(limits.max_body_bytes).await??;
-                    let picture = Picture::of(bytes, &service.decode)?;
-                    return Ok(Self(Picture { _share: Some(form.share), ..picture }));
+                    return Ok(Self(Picture::of(bytes, &service.decode)?.with_share(form.share)));
                 }
             }
             return Err(Problem::new(
@@ -120,8 +124,7 @@ impl FromRequest<Service> for OnePicture {
         let (parts, body) = request.into_parts();
         let share = service.bodies.admit(&parts.headers, limits.max_body_bytes)?;
         let bytes = body::read_whole(body, limits.max_body_bytes, limits.body_timeout).await?;
-        let picture = Picture::of(bytes, &service.decode)?;
-        Ok(Self(Picture { _share: Some(share), ..picture }))
+        Ok(Self(Picture::of(bytes, &service.decode)?.with_share(share)))
     }
 }
 

@@ -189,6 +189,16 @@ pub struct CalibrationRow {
     pub updated_at: Timestamp,
 }
 
+/// What is known of a workcell.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorkcellRow {
+    pub name: String,
+    /// JSON.
+    pub document: String,
+    pub created_at: Timestamp,
+    pub updated_at: Timestamp,
+}
+
 /// The life of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JobState {
@@ -311,7 +321,7 @@ pub struct JobEventRow {
     pub created_at: Timestamp,
 }
 
-/// The one truth about databases, exemplars, versions, aliases, calibrations and jobs.
+/// The one truth about databases, exemplars, versions, aliases, calibrations, workcells and jobs.
 ///
 /// Every call is one transaction: it happened wholly, durably, or not at all. Dropping the future of a call
 /// leaves it done or undone, never half. Any call may fail with `Unavailable` or `Corrupt`; the other errors
@@ -468,6 +478,18 @@ pub trait Catalogue: Send + Sync + 'static {
         document: &str,
         expected: i64,
     ) -> Result<CalibrationRow, CatalogueError>;
+
+    /// Creates the workcell of that name, with `true`, or replaces its document.
+    async fn put_workcell(&self, name: &str, document: &str) -> Result<(WorkcellRow, bool), CatalogueError>;
+
+    /// The workcell of that name.
+    async fn workcell(&self, name: &str) -> Result<Option<WorkcellRow>, CatalogueError>;
+
+    /// Workcells by name.
+    async fn workcells(&self, after: Option<&str>, limit: u32) -> Result<Vec<WorkcellRow>, CatalogueError>;
+
+    /// Deletes a workcell; false when there was none.
+    async fn delete_workcell(&self, name: &str) -> Result<bool, CatalogueError>;
 
     /// Adds a job about a database to the queue. Errors: `NotFound` for the database.
     async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError>;

@@ -15,7 +15,7 @@ pub use blobs::{BlobError, BlobName, Blobs};
 pub use catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
     DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress,
-    Renewal, UnknownJobState, VersionRow,
+    Renewal, UnknownJobState, VersionRow, WorkcellRow,
 };
 pub use folder::{Folder, OpenFolderError, open_folder};
 pub use sqlite::OpenCatalogueError;

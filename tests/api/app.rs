@@ -339,6 +339,14 @@ impl Answer {
     }
 }
 
+/// The pointers of a problem's fields, sorted.
+pub fn pointers(problem: &Value) -> Vec<&str> {
+    let errors = problem["errors"].as_array().unwrap();
+    let mut at: Vec<&str> = errors.iter().map(|error| error["pointer"].as_str().unwrap()).collect();
+    at.sort_unstable();
+    at
+}
+
 const BOUNDARY: &str = "a-line-that-no-picture-holds";
 
 /// The media type of [`form`].

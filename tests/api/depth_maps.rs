@@ -7,7 +7,7 @@ use landmarkd::imaging::encode::png_gray8;
 use landmarkd::imaging::{DecodeLimits, decode};
 use serde_json::{Value, json};
 
-use crate::app::{Answer, App, form, form_type, request, with_bytes};
+use crate::app::{Answer, App, form, form_type, pointers, request, with_bytes};
 use crate::depth_pictures::{SIZE_PX, optics, pair, parts, photograph};
 use crate::pictures::{flat_png, png, scene};
 
@@ -24,14 +24,6 @@ async fn ask(app: &App, query: &str, accept: &str, parts: &[(&str, Bytes)]) -> A
 /// Ask for the summary.
 async fn summary(app: &App, parts: &[(&str, Bytes)]) -> Answer {
     ask(app, "", "application/json", parts).await
-}
-
-/// The pointers of a problem's fields, sorted.
-fn pointers(problem: &Value) -> Vec<&str> {
-    let errors = problem["errors"].as_array().unwrap();
-    let mut at: Vec<&str> = errors.iter().map(|error| error["pointer"].as_str().unwrap()).collect();
-    at.sort_unstable();
-    at
 }
 
 /// The shape in an array's header, and its values.

@@ -16,6 +16,8 @@ mod main_job;
 mod objects;
 mod problems;
 mod restarts;
+mod segmentations;
 mod service;
 mod swaps;
 mod versions;
+mod workcells;

@@ -3,7 +3,7 @@
 use axum::http::{Method, header};
 use bytes::Bytes;
 use landmarkd::imaging::encode::{png_gray8, png_rgb8};
-use landmarkd::imaging::{DecodeLimits, decode};
+use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, request, tar, with_bytes};
@@ -296,15 +296,20 @@ async fn options_that_objects_do_not_have_are_named_all_at_once() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn removing_the_background_is_not_yet() {
+async fn removing_the_background_is_an_option_that_is_told() {
     let app = App::start().await;
-    let asked = json!({"kind": "objects", "options": {"segment": true}});
-    let problem = app.put(SHELF, asked).await.expect_problem(422, "not_yet");
-    assert_eq!(problem["errors"][0]["pointer"], "/options/segment");
-    assert!(problem["detail"].as_str().unwrap().contains("workcell"), "{problem:#}");
-    create(&app, json!({})).await;
-    add(&app, "label=bar", picture(Thing::Bar, 0.0)).await;
-    assert_eq!(refusal(&app, json!({"segment": true})).await["code"], "not_yet");
+    create(&app, json!({"segment": true})).await;
+    assert_eq!(app.get(SHELF).await.expect(200)["options"]["segment"], true);
+    fill(&app).await;
+    app.train("shelf", json!({"options": {"dimension": 12}})).await;
+    assert_eq!(app.get(&format!("{SHELF}/versions/1")).await.expect(200)["options"]["segment"], true);
+    // The same thing, smaller and off the middle.
+    let (small, side) = (thing(Thing::Wedge, 40.0, THING_PX), 2 * THING_PX);
+    let at = |v: usize| v.checked_sub(THING_PX / 3).filter(|v| *v < THING_PX);
+    let shifted =
+        Image::from_fn(side, side, |x, y| at(x).zip(at(y)).map_or(0.0, |(x, y)| small.luminance.at(x, y)));
+    let answer = app.recognise("shelf", "", png(&Frame::gray(shifted))).await;
+    assert_eq!(answer["decision"]["label"], "wedge", "{answer:#}");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use landmarkd::http::openapi;
-use landmarkd::telemetry::STAGES;
+use landmarkd::telemetry::Work;
 use serde_json::{Value, json};
 
 use crate::app::App;
@@ -52,7 +52,7 @@ async fn metrics_count_requests_by_route_and_status_and_every_stage_of_a_recogni
     let app = App::start().await;
     app.trained("lab", 2).await;
     let before = metrics(&app).await;
-    for stage in STAGES {
+    for stage in Work::Recognition.stages() {
         let count = format!("landmarkd_recognition_stage_seconds_count{{stage=\"{stage}\"}}");
         assert_eq!(before[&count], 0.0, "{stage} is counted before anything was recognised");
     }
@@ -63,9 +63,9 @@ async fn metrics_count_requests_by_route_and_status_and_every_stage_of_a_recogni
         .expect_problem(404, "unknown_database");
     app.get("/no/such/address").await.expect_problem(404, "unknown_route");
     let after = metrics(&app).await;
-    for stage in STAGES {
+    for stage in Work::Recognition.stages() {
         let count = format!("landmarkd_recognition_stage_seconds_count{{stage=\"{stage}\"}}");
-        let of_objects = ["appearance", "universal", "object"].contains(&stage);
+        let of_objects = ["appearance", "universal", "object"].contains(stage);
         assert_eq!(after[&count], if of_objects { 0.0 } else { 2.0 }, "{stage}");
     }
     let route = "/v1/databases/{database}/recognitions";

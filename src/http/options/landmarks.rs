@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{judge, readable, words};
-use crate::http::problem::Problem;
+use super::{fields, judge, readable, words};
+use crate::http::problem::{Code, FieldError, Problem};
 use crate::recognition::landmarks::{self, LandmarkOptions};
 
 words!(
@@ -110,7 +110,7 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
 
 /// See [`super::over`].
 pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<LandmarkOptions, Problem> {
-    let (body, faults) = readable::<LandmarkOptionsBody>("/options", body);
+    let (body, mut faults) = readable::<LandmarkOptionsBody>("/options", body);
     let mut later = Vec::new();
     let mut options = base;
     macro_rules! take_word {
@@ -131,8 +131,21 @@ pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<L
     if body.position_prior_px.is_some() {
         later.push("position_prior_px");
     }
-    let text = "this release has method paper, viewpoint free and operator symmetry, and no position prior";
-    judge(faults, options.faults(), later, text)?;
+    faults.extend(fields("/options", options.faults()));
+    let later: Vec<FieldError> = later
+        .into_iter()
+        .map(|name| FieldError {
+            pointer: format!("/options/{name}"),
+            detail: "has a value that this release can't do yet".into(),
+        })
+        .collect();
+    if !later.is_empty() && faults.is_empty() {
+        let text =
+            "this release has method paper, viewpoint free and operator symmetry, and no position prior";
+        return Err(Problem::new(Code::NotYet, text).with_errors(later));
+    }
+    faults.extend(later);
+    judge(faults)?;
     Ok(options)
 }
 

@@ -1,9 +1,10 @@
 //! Options on the wire. Each is optional; what is absent keeps its value. Unknown, misshapen and conflicting ones are
-//! one problem that names them all. One file a kind, and one for depth maps.
+//! one problem that names them all. One file a kind, one for depth maps, one for segmentations.
 
 mod depth;
 mod landmarks;
 mod objects;
+mod segmentation;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -13,8 +14,10 @@ use utoipa::ToSchema;
 pub use depth::{DepthMethodWord, DepthOptionsBody, WindowBody};
 pub use landmarks::LandmarkOptionsBody;
 pub use objects::ObjectOptionsBody;
+pub use segmentation::SegmentationOptionsBody;
 
-use super::problem::{Code, FieldError, Problem};
+use super::extract::from_value;
+use super::problem::{FieldError, Problem};
 use crate::database::Options;
 use crate::recognition::OptionFault;
 
@@ -61,38 +64,25 @@ pub fn readable<B: DeserializeOwned + Default>(at: &str, body: &Map<String, Valu
     for (name, value) in body {
         // One at a time, so that every fault is found and not only the first.
         let alone = Value::Object(Map::from_iter([(name.clone(), value.clone())]));
-        match serde_json::from_value::<B>(alone) {
+        match from_value::<B>(alone) {
             Ok(_) => drop(readable.insert(name.clone(), value.clone())),
-            Err(error) => {
-                faults.push(FieldError { pointer: format!("{at}/{name}"), detail: error.to_string() });
+            Err(fault) => {
+                faults.push(FieldError { pointer: format!("{at}{}", fault.pointer), ..fault });
             }
         }
     }
     (serde_json::from_value(Value::Object(readable)).unwrap_or_default(), faults)
 }
 
-/// What can't be read, what can't be used, and the names of what has a value that is still to come, as one problem;
-/// nothing if there is none. `not_yet` says what there is instead.
-fn judge(
-    mut faults: Vec<FieldError>,
-    unusable: Vec<OptionFault>,
-    later: Vec<&'static str>,
-    not_yet: &str,
-) -> Result<(), Problem> {
-    for fault in unusable {
-        faults.push(FieldError { pointer: format!("/options/{}", fault.option), detail: fault.message });
-    }
-    let later: Vec<FieldError> = later
+/// What is wrong with the options in the object `at`, as fields.
+fn fields(at: &str, unusable: Vec<OptionFault>) -> impl Iterator<Item = FieldError> {
+    unusable
         .into_iter()
-        .map(|name| FieldError {
-            pointer: format!("/options/{name}"),
-            detail: "has a value that this release can't do yet".into(),
-        })
-        .collect();
-    if !later.is_empty() && faults.is_empty() {
-        return Err(Problem::new(Code::NotYet, not_yet).with_errors(later));
-    }
-    faults.extend(later);
+        .map(move |fault| FieldError { pointer: format!("{at}/{}", fault.option), detail: fault.message })
+}
+
+/// What is at fault as one problem; nothing if there is none.
+fn judge(faults: Vec<FieldError>) -> Result<(), Problem> {
     if faults.is_empty() { Ok(()) } else { Err(Problem::fields(faults)) }
 }
 
@@ -121,4 +111,4 @@ macro_rules! words {
         }
     };
 }
-use words;
+pub(super) use words;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{AutoWord, judge, readable, words};
+use super::{AutoWord, fields, judge, readable, words};
 use crate::http::problem::Problem;
 use crate::recognition::objects::{self, Dimension, ObjectOptions};
 
@@ -52,7 +52,9 @@ pub struct ObjectOptionsBody {
     /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side.
     #[schema(minimum = 0, maximum = 0.1)]
     pub smoothing: Option<f64>,
-    /// Background removal: only `false` is in this release, it comes with the workcell.
+    /// Whether the object is cut out of its picture first, in training and in recognition: the largest region that
+    /// stands out from the background, in the square about its centroid, on black. Pictures are then square, of 128 px
+    /// unless a size is given.
     pub segment: Option<bool>,
     /// Coordinates of an eigenpoint in the universal eigenspace, 1 to 256, or `auto`.
     #[schema(required = false)]
@@ -84,7 +86,7 @@ impl From<&ObjectOptions> for ObjectOptionsBody {
             height_px: Some(options.height_px),
             resize: Some(options.resize.into()),
             smoothing: Some(options.smoothing),
-            segment: Some(false),
+            segment: Some(options.segment),
             dimension: Some(match options.dimension {
                 Dimension::Fixed(number) => DimensionBody::Number(number),
                 Dimension::Auto => DimensionBody::Word(AutoWord::Auto),
@@ -99,8 +101,7 @@ impl From<&ObjectOptions> for ObjectOptionsBody {
 
 /// See [`super::over`].
 pub(super) fn over(base: ObjectOptions, body: &Map<String, Value>) -> Result<ObjectOptions, Problem> {
-    let (body, faults) = readable::<ObjectOptionsBody>("/options", body);
-    let mut later = Vec::new();
+    let (body, mut faults) = readable::<ObjectOptionsBody>("/options", body);
     let mut options = base;
     macro_rules! take_word {
         ($($field:ident),+) => {$( if let Some(Ok(value)) = body.$field.map(|word| word.inside()) { options.$field = value; } )+};
@@ -109,18 +110,14 @@ pub(super) fn over(base: ObjectOptions, body: &Map<String, Value>) -> Result<Obj
         ($($field:ident),+) => {$( if let Some(value) = body.$field { options.$field = value; } )+};
     }
     take_word!(resize, stages, search, distance);
-    take!(width_px, height_px, smoothing, accept);
+    take!(width_px, height_px, smoothing, segment, accept);
     match body.dimension {
         Some(DimensionBody::Number(number)) => options.dimension = Dimension::Fixed(number),
         Some(DimensionBody::Word(AutoWord::Auto)) => options.dimension = Dimension::Auto,
         None => {}
     }
-    if body.segment == Some(true) {
-        later.push("segment");
-    }
-    let text = "segment is not in this release: background removal comes with the workcell; post pictures of the object \
-                on black, and leave segment out";
-    judge(faults, options.faults(), later, text)?;
+    faults.extend(fields("/options", options.faults()));
+    judge(faults)?;
     Ok(options)
 }
 
@@ -137,7 +134,7 @@ mod tests {
     #[test]
     fn every_fault_is_named_at_once() {
         let body = json!({
-            "widht_px": 3, "height_px": 2, "resize": "crop", "dimension": "most", "accept": 2, "segment": true,
+            "widht_px": 3, "height_px": 2, "resize": "crop", "dimension": "most", "accept": 2, "segment": "yes",
         });
         let problem = over_default(body).unwrap_err();
         let mut at: Vec<&str> = problem.errors.iter().map(|error| error.pointer.as_str()).collect();
@@ -159,11 +156,11 @@ mod tests {
     }
 
     #[test]
-    fn segmenting_is_told_apart_from_mistakes() {
+    fn segmenting_is_taken_and_shown() {
         assert_eq!(over_default(json!({"segment": false})).unwrap(), ObjectOptions::default());
-        let problem = over_default(json!({"segment": true})).unwrap_err();
-        assert_eq!((problem.code, problem.errors[0].pointer.as_str()), (Code::NotYet, "/options/segment"));
-        assert!(problem.detail.contains("workcell"), "{}", problem.detail);
+        let options = over_default(json!({"segment": true})).unwrap();
+        assert_eq!(options, ObjectOptions { segment: true, ..Default::default() });
+        assert_eq!(ObjectOptionsBody::from(&options).segment, Some(true));
     }
 
     #[test]

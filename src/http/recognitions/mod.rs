@@ -25,9 +25,12 @@ use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{FrameHeader, LoadedVersion, Model, Name};
 use crate::imaging::{self, DecodeLimits};
+use crate::telemetry::Work;
 
 use landmarks::{LandmarkEvidence, LandmarkStages};
 use objects::{ObjectEvidence, ObjectStages};
+
+pub(super) use objects::{CandidateBody, PoseBody};
 
 /// What answers, and how much of the evidence is wanted.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
@@ -66,7 +69,8 @@ pub struct RecognitionBody {
     /// What to act on; null when nothing is recognised.
     pub decision: Option<DecisionBody>,
     /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `few_interest_points`, `gray_frame`. Objects:
-    /// `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`, `close_second`, `not_calibrated`.
+    /// `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`, `close_second`, `not_calibrated`; with `segment`
+    /// also `no_region`, `touches_border`, `several_regions`.
     pub warnings: Vec<&'static str>,
     pub timings_ms: TimingsBody,
     #[serde(flatten)]
@@ -201,15 +205,20 @@ fn recognise(
 }
 
 impl Service {
-    async fn version_for(
+    /// The version of that number, or the one that answers for that alias, by default `current`.
+    ///
+    /// # Errors
+    /// Both are given, or there is no such version.
+    pub(super) async fn version_for(
         &self,
         database: &Name,
-        query: &RecognitionQuery,
+        version: Option<i64>,
+        alias: Option<&Name>,
     ) -> Result<Arc<LoadedVersion>, Problem> {
-        match (query.version, &query.alias) {
+        match (version, alias) {
             (Some(_), Some(_)) => Err(Problem::field("#version", "and alias exclude each other: give one")),
             (Some(version), None) => Ok(self.databases.version_model(database, version).await?),
-            (None, alias) => Ok(self.databases.alias_model(database, alias.as_ref()).await?),
+            (None, alias) => Ok(self.databases.alias_model(database, alias).await?),
         }
     }
 
@@ -224,11 +233,22 @@ impl Service {
         let work = move || recognise(&picture, &limits, &version.model, wanted);
         let (recognised, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
         let (answer, decode) = recognised?;
-        self.metrics.stage("queue", queue);
-        self.metrics.stage("decode", decode);
-        answer.clocked.iter().for_each(|(stage, took)| self.metrics.stage(stage, *took));
+        self.metrics.stage(Work::Recognition, "queue", queue);
+        self.metrics.stage(Work::Recognition, "decode", decode);
+        answer.clocked.iter().for_each(|(stage, took)| self.metrics.stage(Work::Recognition, stage, *took));
         Ok(Recognised { answer, queue, decode })
     }
+}
+
+/// A picture with the evidence on it; headers say what answered.
+pub(super) fn drawn(version: &LoadedVersion, png: Vec<u8>) -> Response {
+    let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
+    let headers = [
+        (header::CONTENT_TYPE, HeaderValue::from_static("image/png")),
+        (HeaderName::from_static("x-version"), HeaderValue::from(version.version)),
+        (HeaderName::from_static("x-digest"), text(&version.digest)),
+    ];
+    (headers, png).into_response()
 }
 
 fn render(version: &LoadedVersion, header: FrameHeader, recognised: Recognised) -> RecognitionBody {
@@ -277,18 +297,10 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png"])?;
     let wanted = query.wanted(given == "image/png")?;
-    let version = service.version_for(&path.database, &query).await?;
+    let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
     let mut recognised = service.recognise(&version, picture, wanted).await?;
     let mut response = match recognised.answer.annotated.take() {
-        Some(png) => {
-            let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
-            let headers = [
-                (header::CONTENT_TYPE, HeaderValue::from_static("image/png")),
-                (HeaderName::from_static("x-version"), HeaderValue::from(version.version)),
-                (HeaderName::from_static("x-digest"), text(&version.digest)),
-            ];
-            (headers, png).into_response()
-        }
+        Some(png) => drawn(&version, png),
         None => Json(render(&version, header, recognised)).into_response(),
     };
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
@@ -311,7 +323,7 @@ pub async fn post_batch(
     request: Request,
 ) -> Result<Json<RecognitionBatch>, Problem> {
     let wanted = query.wanted(false)?;
-    let version = service.version_for(&path.database, &query).await?;
+    let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
     let limits = &service.limits;
     let mut form = Form::of(request, &service, limits.max_batch_bytes, limits.max_body_bytes).await?;
     let mut items = Vec::new();

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use super::{Answer, DecisionBody, EvidenceBody, StagesBody, Wanted, ms};
 use crate::http::problem::Problem;
 use crate::imaging::Frame;
-use crate::recognition::objects::{Candidate, Objects, Pose, Stage, annotate};
+use crate::recognition::objects::{Candidate, Decision, Objects, Pose, Stage, annotate};
 
 /// What speaks for the answer of an object database.
 #[derive(Debug, Serialize, ToSchema)]
@@ -61,6 +61,12 @@ pub struct ObjectStages {
     pub object: f64,
 }
 
+impl From<&Decision> for DecisionBody {
+    fn from(decision: &Decision) -> Self {
+        Self { label: decision.label.clone(), confidence: decision.confidence }
+    }
+}
+
 impl From<&Candidate> for CandidateBody {
     fn from(candidate: &Candidate) -> Self {
         Self {
@@ -107,8 +113,7 @@ pub(super) fn answer(
     let [appearance, universal, object] = clocked.map(|(_, took)| ms(took));
     let decision = recognition.decision.as_ref();
     Ok(Answer {
-        decision: decision
-            .map(|decision| DecisionBody { label: decision.label.clone(), confidence: decision.confidence }),
+        decision: decision.map(DecisionBody::from),
         warnings: recognition.warnings.iter().map(|warning| warning.code()).collect(),
         evidence: EvidenceBody::Objects(ObjectEvidence {
             candidates: recognition.candidates.iter().take(wanted.top).map(CandidateBody::from).collect(),

@@ -41,7 +41,7 @@ pub struct ObjectsReportBody {
     pub over_exposed: Vec<String>,
     /// Exemplars with hardly a bright pixel.
     pub under_exposed: Vec<String>,
-    /// Exemplars that are black: they were left out.
+    /// Exemplars that are black, or in which nothing stands out to be cut out: they were left out.
     pub blank: Vec<String>,
     /// Exemplars that were not of the database's size, and were scaled.
     pub resized: Vec<String>,

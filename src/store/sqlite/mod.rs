@@ -12,6 +12,7 @@ mod exemplars;
 mod jobs;
 mod row;
 mod versions;
+mod workcells;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ use self::jobs::{Outcome, Subject};
 use super::catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
     DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress,
-    Renewal, VersionRow,
+    Renewal, VersionRow, WorkcellRow,
 };
 use super::folder::FolderLock;
 
@@ -328,6 +329,28 @@ impl Catalogue for SqliteCatalogue {
         let row = calibrations::put(&mut transaction, &name, document, Some(expected)).await?;
         transaction.commit().await?;
         Ok(row)
+    }
+
+    async fn put_workcell(&self, name: &str, document: &str) -> Result<(WorkcellRow, bool), CatalogueError> {
+        let mut transaction = self.write().await?;
+        let put = workcells::put(&mut transaction, name, document).await?;
+        transaction.commit().await?;
+        Ok(put)
+    }
+
+    async fn workcell(&self, name: &str) -> Result<Option<WorkcellRow>, CatalogueError> {
+        workcells::find(&mut *self.read().await?, name).await
+    }
+
+    async fn workcells(&self, after: Option<&str>, limit: u32) -> Result<Vec<WorkcellRow>, CatalogueError> {
+        workcells::list(&mut *self.read().await?, after, limit).await
+    }
+
+    async fn delete_workcell(&self, name: &str) -> Result<bool, CatalogueError> {
+        let mut transaction = self.write().await?;
+        let deleted = workcells::delete(&mut transaction, name).await?;
+        transaction.commit().await?;
+        Ok(deleted)
     }
 
     async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError> {

@@ -1,0 +1,90 @@
+//! `POST /v1/workcells/{name}/centrings`: by how much the camera at the gripper is off the part.
+
+use axum::Json;
+use axum::extract::State;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::Service;
+use super::exemplars::ImageForm;
+use super::extract::Path;
+use super::problem::{Code, Problem};
+use super::regions::RegionBody;
+use super::segmentations::SegmentationTimings;
+use super::stages::Stages;
+use super::uploads::{HeaderEcho, OnePicture, RobotHeader};
+use super::workcells::WorkcellPath;
+use crate::compute::Lane;
+use crate::imaging;
+use crate::telemetry::Work;
+use crate::workcell::centring;
+
+/// By how much the part nearest the picture's middle is off it.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct CentringBody {
+    pub workcell: String,
+    pub header: HeaderEcho,
+    /// The region nearest the middle.
+    pub region: RegionBody,
+    /// Its centroid less the picture's middle, x and y.
+    pub move_px: [f64; 2],
+    /// By how much the gripper must move to have it in the middle, X and Y; null while the workcell says nothing of the
+    /// local camera.
+    pub move_mm: Option<[f64; 2]>,
+    /// Whether it is within the workcell's tolerance.
+    pub centred: bool,
+    /// How far it is off the middle.
+    pub distance_px: f64,
+    pub timings_ms: SegmentationTimings,
+}
+
+/// Look with the camera at the gripper: by how much it is off the part nearest the picture's middle. Move by it, and
+/// ask again until `centred`.
+#[utoipa::path(
+    post, operation_id = "centre",
+    path = "/v1/workcells/{name}/centrings", tag = "workcell", params(WorkcellPath),
+    request_body(
+        description = "The picture, raw or as the part `image` of a form",
+        content(
+            (String = "image/jpeg"), (String = "image/png"), (String = "image/x-portable-graymap"),
+            (String = "image/x-portable-pixmap"), (ImageForm = "multipart/form-data")
+        )
+    ),
+    responses((status = 200, body = CentringBody))
+)]
+pub async fn post(
+    State(service): State<Service>,
+    Path(path): Path<WorkcellPath>,
+    RobotHeader(header): RobotHeader,
+    OnePicture(picture): OnePicture,
+) -> Result<Json<CentringBody>, Problem> {
+    let kept = service.databases.workcell(&path.name).await?;
+    let (limits, memory, workcell) = (service.decode, picture.working_bytes, kept.setup.workcell);
+    let work = move || {
+        let mut stages = Stages::begin();
+        let frame = imaging::decode(&picture.bytes, &limits)?;
+        stages.end("decode");
+        let centring = centring(&frame.luminance, &workcell);
+        stages.end("segment");
+        Ok::<_, Problem>((centring, stages))
+    };
+    let (worked, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
+    let (centring, stages) = worked?;
+    stages.count(&service.metrics, Work::Workcell, queue);
+    let centring = centring.ok_or_else(|| {
+        let text = "nothing stands out from the background: bring a part into view, or change the workcell's \
+                    segmentation (POST /v1/segmentations shows what it sees)";
+        Problem::new(Code::NoRegion, text)
+    })?;
+    let [x_px, y_px] = centring.move_px;
+    Ok(Json(CentringBody {
+        workcell: kept.name,
+        header: header.into(),
+        region: (&centring.region).into(),
+        move_px: centring.move_px,
+        move_mm: centring.move_mm,
+        centred: centring.centred,
+        distance_px: x_px.hypot(y_px),
+        timings_ms: SegmentationTimings::of(queue, &stages),
+    }))
+}

@@ -1,0 +1,63 @@
+//! How long the stages of a piece of work took.
+
+use std::time::{Duration, Instant};
+
+use super::recognitions::ms;
+use crate::telemetry::{Metrics, Work};
+
+/// The stages of a piece of work; one that comes again is added to itself.
+pub struct Stages {
+    since: Instant,
+    took: Vec<(&'static str, Duration)>,
+}
+
+impl Stages {
+    /// The first stage begins.
+    pub fn begin() -> Self {
+        Self { since: Instant::now(), took: Vec::new() }
+    }
+
+    /// That stage ends, and the next begins.
+    pub fn end(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        let took = now.duration_since(std::mem::replace(&mut self.since, now));
+        match self.took.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += took,
+            None => self.took.push((stage, took)),
+        }
+    }
+
+    /// How long that stage took in milliseconds; 0 if it never came.
+    pub fn ms(&self, stage: &str) -> f64 {
+        self.took.iter().find(|(name, _)| *name == stage).map_or(0.0, |(_, took)| ms(*took))
+    }
+
+    /// Count the work, and the time that it waited for a computing thread.
+    pub fn count(&self, metrics: &Metrics, work: Work, queue: Duration) {
+        metrics.stage(work, "queue", queue);
+        self.took.iter().for_each(|(stage, took)| metrics.stage(work, stage, *took));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_that_comes_again_is_added_up_and_counted_once() {
+        let mut stages = Stages::begin();
+        for stage in ["cut", "recognise", "cut", "recognise"] {
+            std::thread::sleep(Duration::from_millis(1));
+            stages.end(stage);
+        }
+        assert!(stages.ms("cut") >= 2.0 && stages.ms("recognise") >= 2.0);
+        assert_eq!(stages.ms("depth"), 0.0);
+        let metrics = Metrics::new();
+        stages.count(&metrics, Work::Workcell, Duration::ZERO);
+        let text = metrics.text();
+        for (stage, count) in [("queue", 1), ("cut", 1), ("recognise", 1), ("depth", 0)] {
+            let line = format!("landmarkd_workcell_stage_seconds_count{{stage=\"{stage}\"}} {count}");
+            assert!(text.contains(&line), "{line}");
+        }
+    }
+}
