@@ -9,25 +9,38 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which rooms a room may use. The rooms that only wire may use all.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("imaging", &[]),
     ("vision", &["imaging"]),
     ("eigen", &[]),
     ("depth", &["vision", "eigen", "imaging"]),
     ("recognition", &["vision", "eigen", "imaging"]),
+    ("workcell", &["recognition", "depth", "vision", "eigen", "imaging"]),
     ("store", &[]),
     ("compute", &[]),
     ("config", &[]),
     // Settings say how log lines are written.
     ("telemetry", &["config"]),
-    ("database", &["recognition", "depth", "store", "compute", "telemetry"]),
+    ("database", &["workcell", "recognition", "depth", "vision", "store", "compute", "telemetry"]),
     // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
     // described.
     ("jobs", &["database", "store", "recognition", "depth", "imaging", "compute", "telemetry"]),
     // Of the store, only the errors that problems are made of (see DOORS).
     (
         "http",
-        &["database", "jobs", "compute", "config", "telemetry", "imaging", "recognition", "depth", "store"],
+        &[
+            "database",
+            "jobs",
+            "compute",
+            "config",
+            "telemetry",
+            "imaging",
+            "vision",
+            "recognition",
+            "depth",
+            "workcell",
+            "store",
+        ],
     ),
 ];
 
@@ -35,11 +48,12 @@ const ARROWS: [(&str, &[&str]); 12] = [
 const WIRING: [&str; 5] = ["lib", "main", "serve", "demo", "evaluate"];
 
 /// Where a word may stand: folders or files of `src`.
-const DOORS: [(&str, &[&str]); 29] = [
+const DOORS: [(&str, &[&str]); 30] = [
     ("image::", &["imaging"]),
     ("embedded_graphics", &["imaging"]),
     ("colorous", &["imaging/false_colour.rs"]),
     ("libm", &["depth"]),
+    ("memchr", &["vision/segmentation/components.rs"]),
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
     ("kiddo", &["eigen"]),
@@ -70,7 +84,7 @@ const DOORS: [(&str, &[&str]); 29] = [
 ];
 
 /// Rooms of values in, values out.
-const PURE: [&str; 5] = ["imaging", "vision", "eigen", "depth", "recognition"];
+const PURE: [&str; 6] = ["imaging", "vision", "eigen", "depth", "recognition", "workcell"];
 
 /// What the pure rooms never mention.
 const IMPURE: [&str; 17] = [

@@ -16,7 +16,13 @@ mod objects;
 mod places;
 #[path = "claims/random.rs"]
 mod random;
+#[path = "claims/table.rs"]
+mod table;
+#[path = "claims/table_scene.rs"]
+mod table_scene;
 #[path = "claims/trials.rs"]
 mod trials;
 #[path = "claims/turntable.rs"]
 mod turntable;
+#[path = "claims/workcell.rs"]
+mod workcell;

@@ -48,12 +48,52 @@ pub struct AnsweredPose {
     pub reliable: bool,
 }
 
+/// What stands on a table.
+pub struct Inspected {
+    pub parts: Vec<InspectedPart>,
+    /// What the service says that looking took.
+    pub inspect_ms: f64,
+}
+
+/// A part on the table.
+pub struct InspectedPart {
+    /// The middle of its region, x and y.
+    pub centroid_px: [f64; 2],
+    /// Where the robot finds it, X and Y.
+    pub robot_mm: Option<[f64; 2]>,
+    pub answer: ObjectAnswer,
+}
+
+/// How far the gripper is off a part.
+pub struct Centring {
+    /// How it must move, X and Y.
+    pub move_mm: [f64; 2],
+    /// Whether it need not.
+    pub centred: bool,
+}
+
 /// What a depth map is like in short.
 pub struct DepthSummary {
     /// Part of the pixels that have a depth.
     pub coverage: f64,
     /// What the service says that measuring took.
     pub measure_ms: f64,
+}
+
+impl ObjectAnswer {
+    fn of(answer: &Value) -> ObjectAnswer {
+        let pose = answer["pose"]["turn_deg"].as_f64().map(|turn_deg| AnsweredPose {
+            turn_deg,
+            sigma_deg: answer["pose"]["sigma_deg"].as_f64().unwrap_or_default(),
+            reliable: answer["pose"]["reliable"].as_bool().unwrap_or_default(),
+        });
+        ObjectAnswer { label: answer["decision"]["label"].as_str().map(str::to_owned), pose }
+    }
+}
+
+/// A pair of numbers; `None` for anything else.
+fn pair(value: &Value) -> Option<[f64; 2]> {
+    Some([value[0].as_f64()?, value[1].as_f64()?])
 }
 
 impl Server {
@@ -72,18 +112,17 @@ impl Server {
         Ok(Server { base_url: url, http })
     }
 
-    /// Delete a database, if it is there.
-    pub async fn forget(&self, database: &str) -> Result<(), DemoError> {
-        match self.send(self.call(Method::DELETE, &["databases", database], &[])).await {
+    /// Delete what has that path, if it is there.
+    pub async fn forget(&self, path: &[&str]) -> Result<(), DemoError> {
+        match self.send(self.call(Method::DELETE, path, &[])).await {
             Err(DemoError::Refused { status: 404, .. }) => Ok(()),
             answer => answer.map(drop),
         }
     }
 
-    /// Create a database of a kind with default options.
-    pub async fn create(&self, database: &str, kind: &str) -> Result<(), DemoError> {
-        let call = self.call(Method::PUT, &["databases", database], &[]);
-        self.send(call.json(&json!({"kind": kind}))).await.map(drop)
+    /// Create what is to have that path.
+    pub async fn create(&self, path: &[&str], document: &Value) -> Result<(), DemoError> {
+        self.send(self.call(Method::PUT, path, &[]).json(document)).await.map(drop)
     }
 
     /// Send one training image.
@@ -135,13 +174,7 @@ impl Server {
         version: u64,
         png: &[u8],
     ) -> Result<ObjectAnswer, DemoError> {
-        let answer = self.recognise(database, version, png).await?;
-        let pose = answer["pose"]["turn_deg"].as_f64().map(|turn_deg| AnsweredPose {
-            turn_deg,
-            sigma_deg: answer["pose"]["sigma_deg"].as_f64().unwrap_or_default(),
-            reliable: answer["pose"]["reliable"].as_bool().unwrap_or_default(),
-        });
-        Ok(ObjectAnswer { label: answer["decision"]["label"].as_str().map(str::to_owned), pose })
+        Ok(ObjectAnswer::of(&self.recognise(database, version, png).await?))
     }
 
     async fn recognise(&self, database: &str, version: u64, png: &[u8]) -> Result<Value, DemoError> {
@@ -155,6 +188,47 @@ impl Server {
     pub async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "recognitions"], &[]);
         self.bytes(with_png(call, png).header("Accept", "image/png")).await
+    }
+
+    /// What stands on a table, by a version of the workcell's database.
+    pub async fn inspect(&self, workcell: &str, version: u64, png: &[u8]) -> Result<Inspected, DemoError> {
+        let version = version.to_string();
+        let answer = self.json(self.inspection(workcell, &[("version", &version)], png)).await?;
+        let part = |object: &Value| InspectedPart {
+            centroid_px: pair(&object["region"]["centroid_px"]).unwrap_or_default(),
+            robot_mm: pair(&object["robot_mm"]),
+            answer: ObjectAnswer::of(object),
+        };
+        Ok(Inspected {
+            parts: answer["objects"].as_array().into_iter().flatten().map(part).collect(),
+            inspect_ms: answer["timings_ms"]["total"].as_f64().unwrap_or_default(),
+        })
+    }
+
+    /// The table with what is said of every part drawn on it, a PNG.
+    pub async fn inspection_annotated(&self, workcell: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
+        self.bytes(self.inspection(workcell, &[], png).header("Accept", "image/png")).await
+    }
+
+    fn inspection(&self, workcell: &str, query: &[(&str, &str)], png: &[u8]) -> RequestBuilder {
+        let form = Form::new().part("overview", Part::bytes(png.to_vec()).file_name("overview.png"));
+        self.call(Method::POST, &["workcells", workcell, "inspections"], query).multipart(form)
+    }
+
+    /// The regions of a picture as a picture of a media type.
+    pub async fn regions(&self, png: &[u8], media_type: &str) -> Result<Vec<u8>, DemoError> {
+        let call = self.call(Method::POST, &["segmentations"], &[]);
+        self.bytes(with_png(call, png).header("Accept", media_type)).await
+    }
+
+    /// How far off a part the camera at the gripper is.
+    pub async fn centre(&self, workcell: &str, png: &[u8]) -> Result<Centring, DemoError> {
+        let call = self.call(Method::POST, &["workcells", workcell, "centrings"], &[]);
+        let answer = self.json(with_png(call, png)).await?;
+        Ok(Centring {
+            move_mm: pair(&answer["move_mm"]).unwrap_or_default(),
+            centred: answer["centred"].as_bool().unwrap_or_default(),
+        })
     }
 
     /// What the depth map of a near- and a far-focused picture is like.

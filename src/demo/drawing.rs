@@ -202,7 +202,7 @@ impl View {
     }
 
     /// The scene point that the picture shows at (`dx`, `dy`) from its centre.
-    fn scene_point(self, dx: f32, dy: f32) -> (f32, f32) {
+    pub fn scene_point(self, dx: f32, dy: f32) -> (f32, f32) {
         let (sin, cos) = self.turn_deg.to_radians().sin_cos();
         (self.x + (cos * dx + sin * dy) / self.scale, self.y + (cos * dy - sin * dx) / self.scale)
     }
@@ -222,26 +222,37 @@ const SAMPLES: usize = 2;
 /// Largest noise of the camera, grey levels.
 const NOISE: f32 = 4.0;
 
-impl Picture<'_> {
-    /// Draw it: interleaved bytes r, g, b, row-major; each pixel is the mean of 2 × 2 points in it.
-    pub fn draw(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(3 * self.width_px * self.height_px);
-        for py in 0..self.height_px {
-            for px in 0..self.width_px {
-                let mut sum = [0.0; 3];
-                for sample in 0..SAMPLES * SAMPLES {
-                    let within = |n: usize| (n as f32 + 0.5) / SAMPLES as f32;
-                    let dx = px as f32 + within(sample % SAMPLES) - self.width_px as f32 / 2.0;
-                    let dy = py as f32 + within(sample / SAMPLES) - self.height_px as f32 / 2.0;
-                    let colour = self.at(dx, dy);
-                    (0..3).for_each(|c| sum[c] += colour[c] / (SAMPLES * SAMPLES) as f32);
-                }
-                let noise = |salt: u32| hash(self.seed + salt, px as i32, py as i32);
-                let noise = NOISE * (noise(0) - noise(1));
-                bytes.extend(sum.map(|v| (v + noise).round().clamp(0.0, 255.0) as u8));
+/// What a camera makes of a scene: interleaved bytes r, g, b, row-major; each pixel is the mean of 2 × 2 points in it,
+/// with noise up to that many grey levels. `at` gives the colour at a point from the picture's centre.
+pub fn exposed(
+    (width_px, height_px): (usize, usize),
+    noise: f32,
+    seed: u32,
+    at: impl Fn(f32, f32) -> Colour,
+) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(3 * width_px * height_px);
+    for py in 0..height_px {
+        for px in 0..width_px {
+            let mut sum = [0.0; 3];
+            for sample in 0..SAMPLES * SAMPLES {
+                let within = |n: usize| (n as f32 + 0.5) / SAMPLES as f32;
+                let dx = px as f32 + within(sample % SAMPLES) - width_px as f32 / 2.0;
+                let dy = py as f32 + within(sample / SAMPLES) - height_px as f32 / 2.0;
+                let colour = at(dx, dy);
+                (0..3).for_each(|c| sum[c] += colour[c] / (SAMPLES * SAMPLES) as f32);
             }
+            let part = |salt: u32| hash(seed + salt, px as i32, py as i32);
+            let noise = noise * (part(0) - part(1));
+            bytes.extend(sum.map(|v| (v + noise).round().clamp(0.0, 255.0) as u8));
         }
-        bytes
+    }
+    bytes
+}
+
+impl Picture<'_> {
+    /// Draw it: bytes as of [`exposed`].
+    pub fn draw(&self) -> Vec<u8> {
+        exposed((self.width_px, self.height_px), NOISE, self.seed, |dx, dy| self.at(dx, dy))
     }
 
     /// The colour at (`dx`, `dy`) from the picture's centre; black where no layer is painted.

@@ -2,17 +2,19 @@
 //! contract of a running service, as a robot would.
 //!
 //! Without a folder of its own pictures the demo draws rooms and objects itself (`drawing`, `rooms`, `objects`,
-//! `lessons`), and things on a turntable (`turntable`, `turning`), and measures scenes of known depth (`distances`).
-//! Databases called `demo-…` are the demo's: each run
-//! makes them anew.
+//! `lessons`), and things on a turntable (`turntable`, `turning`), measures scenes of known depth (`distances`), and
+//! last inspects a table with things on it (`table`, `inspecting`). Databases called `demo-…` and the workcell `demo`
+//! are the demo's: each run makes them anew.
 
 mod client;
 mod distances;
 mod drawing;
+mod inspecting;
 mod lessons;
 mod objects;
 mod own_pictures;
 mod rooms;
+mod table;
 mod turning;
 mod turntable;
 
@@ -22,6 +24,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::{Value, json};
 use thiserror::Error;
 
 use crate::evaluate::{EvaluateError, Rate};
@@ -30,6 +33,7 @@ use lessons::{Exemplar, Lesson, Question, object_lesson, room_lesson};
 use own_pictures::own_lesson;
 
 pub use distances::MeasuredScene;
+pub use inspecting::{InspectingSummary, PlaceErrors};
 pub use turning::TurningSummary;
 
 /// Arguments of `landmarkd demo`.
@@ -79,6 +83,8 @@ pub struct DemoSummary {
     pub turning: Option<TurningSummary>,
     /// The scenes whose depth was measured; none with pictures of the user's own.
     pub measured: Vec<MeasuredScene>,
+    /// The parts on the table; `None` with pictures of the user's own.
+    pub inspecting: Option<InspectingSummary>,
     /// Where the pictures are.
     pub pictures_dir: PathBuf,
 }
@@ -111,7 +117,8 @@ pub async fn run(
     for lesson in &lessons {
         let folder = pictures_dir.join(lesson.database);
         let files = keep(&folder, lesson)?;
-        let version = teach(&server, lesson.database, "landmarks", &lesson.exemplars, out).await?;
+        let version =
+            teach(&server, lesson.database, &json!({"kind": "landmarks"}), &lesson.exemplars, out).await?;
         let rates = examine(&server, lesson, version, out).await?;
         by_view.extend(rates.into_iter().map(|(view, rate)| (format!("{}: {view}", lesson.database), rate)));
         if let (Some(question), Some(file)) = (lesson.questions.last(), files.last()) {
@@ -128,9 +135,15 @@ pub async fn run(
         Some(_) => Vec::new(),
         None => distances::measure(&server, &pictures_dir.join(distances::FOLDER), out).await?,
     };
-    if let Some(summary) = &turning {
-        let rates = [("turned", summary.named_right), ("never learned", summary.strange_refused)];
-        by_view.extend(rates.map(|(view, rate)| (format!("{}: {view}", turning::DATABASE), rate)));
+    let inspecting = match args.images {
+        Some(_) => None,
+        None => Some(inspect(&server, &pictures_dir.join(inspecting::DATABASE), out).await?),
+    };
+    let turned = turning.iter().map(|s| (turning::DATABASE, "turned", s.named_right, s.strange_refused));
+    let laid = inspecting.iter().map(|s| (inspecting::DATABASE, "laid", s.named_right, s.strange_refused));
+    for (database, view, named_right, strange_refused) in turned.chain(laid) {
+        let rates = [(view, named_right), ("never learned", strange_refused)];
+        by_view.extend(rates.map(|(view, rate)| (format!("{database}: {view}"), rate)));
     }
 
     let right = by_view
@@ -146,8 +159,12 @@ pub async fn run(
         if let Some(scene) = measured.last() {
             distances::directions(base_url, &pictures_dir.join(distances::FOLDER), scene, out)?;
         }
+        if inspecting.is_some() {
+            inspecting::directions(base_url, &pictures_dir.join(inspecting::DATABASE), out)?;
+        }
     }
-    Ok(DemoSummary { right, by_view, turning, measured, pictures_dir: pictures_dir.to_path_buf() })
+    let pictures_dir = pictures_dir.to_path_buf();
+    Ok(DemoSummary { right, by_view, turning, measured, inspecting, pictures_dir })
 }
 
 /// Things on the turntable: learn, ask, print, and keep all pictures so that `evaluate` can take them too.
@@ -158,13 +175,25 @@ async fn turn(server: &Server, folder: &Path, out: &mut dyn Write) -> Result<Tur
     let asked = questions.iter().map(|question| (named(question.shown, question.turn_deg), &question.png));
     keep_in(&folder.join("learned"), learned)?;
     keep_in(&folder.join("asked"), asked)?;
-    let version = teach(server, turning::DATABASE, "objects", &views, out).await?;
+    let version = teach(server, turning::DATABASE, &json!({"kind": "objects"}), &views, out).await?;
     let summary = turning::examine(server, version, &questions, out).await?;
     if let Some(question) = turning::example(&questions).map(|n| &questions[n]) {
         let annotated = server.annotated(turning::DATABASE, &question.png).await?;
         write_file(&folder.join("annotated.png"), &annotated)?;
     }
     Ok(summary)
+}
+
+/// Things on a table: learn, inspect, print.
+async fn inspect(
+    server: &Server,
+    folder: &Path,
+    out: &mut dyn Write,
+) -> Result<InspectingSummary, DemoError> {
+    inspecting::forget(server).await?;
+    let document = json!({"kind": "objects", "options": {"segment": true}});
+    let version = teach(server, inspecting::DATABASE, &document, &inspecting::views(), out).await?;
+    inspecting::inspect(server, version, folder, out).await
 }
 
 /// Keep the pictures of a lesson: `learned/<n>-<label>.png` and `asked/<n>-<label>.png`. Returns the latter.
@@ -207,12 +236,12 @@ fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DemoError> {
 async fn teach(
     server: &Server,
     database: &str,
-    kind: &str,
+    document: &Value,
     exemplars: &[Exemplar],
     out: &mut dyn Write,
 ) -> Result<u64, DemoError> {
-    server.forget(database).await?;
-    server.create(database, kind).await?;
+    server.forget(&["databases", database]).await?;
+    server.create(&["databases", database], document).await?;
     for exemplar in exemplars {
         server.learn(database, exemplar).await?;
     }
@@ -305,8 +334,8 @@ mod tests {
     fn the_drawn_demo_is_nearly_always_right_and_keeps_its_pictures() {
         let folder = tempfile::tempdir().unwrap();
         let (summary, printed) = shown(&DemoArgs { images: None, exit: false }, folder.path());
-        assert_eq!(summary.right.trials, 100);
-        assert!(summary.right.hits >= 94, "{printed}");
+        assert_eq!(summary.right.trials, 105);
+        assert!(summary.right.hits >= 99, "{printed}");
         let turning = summary.turning.unwrap();
         assert_eq!((turning.named_right.trials, turning.strange_refused.trials), (48, 12));
         assert!(turning.named_right.hits >= 46, "{printed}");
@@ -327,9 +356,17 @@ mod tests {
             assert!(scene.coverage > if step { 0.7 } else { 0.8 }, "{printed}");
         }
         assert_eq!(summary.measured.len(), 3);
-        assert!(printed.contains("preview=turbo"), "{printed}");
+        let inspecting = summary.inspecting.unwrap();
+        assert_eq!((inspecting.found, inspecting.named_right), (Rate::of(5, 5), Rate::of(4, 4)), "{printed}");
+        assert_eq!(inspecting.strange_refused, Rate::of(1, 1), "{printed}");
+        let (turns, places) = (inspecting.turn_errors.unwrap(), inspecting.place_errors.unwrap());
+        assert!(turns.trials == 3 && turns.worst_deg <= 2.0, "{printed}");
+        assert!(places.trials == 5 && places.worst_mm <= 0.5, "{printed}");
+        let [before, once, twice] = inspecting.centring_px[..] else { panic!("{printed}") };
+        assert!(before > 25.0 && once < 3.0 && twice < 1.0 && inspecting.centred, "{printed}");
+        assert!(printed.contains("preview=turbo") && printed.contains("/v1/workcells/demo/"), "{printed}");
         assert!(printed.contains("/docs") && printed.contains("curl --data-binary"), "{printed}");
-        for database in ["demo-rooms", "demo-objects", "demo-turntable"] {
+        for database in ["demo-rooms", "demo-objects", "demo-turntable", "demo-workcell"] {
             let annotated = fs::read(summary.pictures_dir.join(database).join("annotated.png")).unwrap();
             assert!(annotated.starts_with(b"\x89PNG"), "{database}");
         }

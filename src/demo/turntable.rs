@@ -1,14 +1,14 @@
-//! Solid things on a turntable: convex parts, painted and shaded, seen from a little above, on black.
+//! Solid things on a turntable: convex parts, painted and shaded, seen from a little above, on black; or from right above.
 //!
 //! A thing has axes of its own: x to the right, y away from the camera, z up; it stands on z = 0 and turns about
 //! z, counter-clockwise as seen from above. Camera and lamp stand still. One unit is a pixel; the projection is
 //! orthographic. Every picture is drawn from the solids themselves: for each point of it, the nearest part met.
 
-use super::drawing::{Colour, Paint, hash};
+use super::drawing::{Colour, Paint, exposed};
 
 /// Width and height of a picture.
 pub const SIDE_PX: usize = 96;
-/// How far above the horizon the camera stands.
+/// How far above the horizon the turntable's camera stands.
 const ELEVATION_DEG: f32 = 25.0;
 /// Height on the axis that comes to the picture's centre.
 const CENTRE_HEIGHT: f32 = 27.0;
@@ -16,8 +16,6 @@ const CENTRE_HEIGHT: f32 = 27.0;
 const LAMP: Vector = [-0.43, -0.56, 0.71];
 /// What a face that is turned from the lamp still gets.
 const AMBIENT: f32 = 0.35;
-/// Samples along each side of a pixel.
-const SAMPLES: usize = 2;
 /// Largest noise of the camera, grey levels.
 pub const NOISE: f32 = 2.0;
 
@@ -154,9 +152,18 @@ impl Thing {
         self
     }
 
-    /// The colour seen at (`right`, `up`) from the picture's centre, the thing being turned; black beside it.
-    fn at(&self, right: f32, up: f32, turn: (f32, f32)) -> Colour {
-        let (sin, cos) = ELEVATION_DEG.to_radians().sin_cos();
+    /// The colour that the turntable's camera sees at (`right`, `up`) from its picture's centre, the thing being turned.
+    fn at(&self, right: f32, up: f32, turn: (f32, f32)) -> Option<Colour> {
+        self.seen(right, up, turn, ELEVATION_DEG.to_radians().sin_cos())
+    }
+
+    /// The colour seen from right above at (`right`, `back`) from the thing's axis.
+    pub fn seen_from_above(&self, right: f32, back: f32, turn: (f32, f32)) -> Option<Colour> {
+        self.seen(right, back, turn, (1.0, 0.0))
+    }
+
+    /// The colour seen by a camera at that elevation; `None` beside the thing. Angles are sine and cosine.
+    fn seen(&self, right: f32, up: f32, turn: (f32, f32), (sin, cos): (f32, f32)) -> Option<Colour> {
         // The thing stays and all else turns the other way.
         let back = |a: Vector| turned(a, (-turn.0, turn.1));
         const FAR: f32 = 1000.0;
@@ -165,34 +172,17 @@ impl Thing {
         let (from, lamp) = (back(eye), back(LAMP));
         let met = self.parts.iter().filter_map(|(shape, paint)| Some((shape.meeting(from, towards)?, paint)));
         let nearest = met.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
-        nearest.map_or([0.0; 3], |(meeting, paint)| {
+        nearest.map(|(meeting, paint)| {
             let light = AMBIENT + (1.0 - AMBIENT) * dot(meeting.normal, lamp).max(0.0);
             let (u, v) = meeting.surface;
             paint.at(u, v).map(|colour| colour * light)
         })
     }
 
-    /// A picture of the thing turned by an angle: interleaved bytes r, g, b, row-major, [`SIDE_PX`] a side; each
-    /// pixel is the mean of 2 × 2 points in it, with the camera's noise of that seed.
+    /// A picture of the thing turned by an angle, [`SIDE_PX`] a side: bytes as of [`exposed`].
     pub fn draw(&self, turn_deg: f32, seed: u32) -> Vec<u8> {
         let turn = turn_deg.rem_euclid(360.0).to_radians().sin_cos();
-        let mut bytes = Vec::with_capacity(3 * SIDE_PX * SIDE_PX);
-        for py in 0..SIDE_PX {
-            for px in 0..SIDE_PX {
-                let mut sum = [0.0; 3];
-                for sample in 0..SAMPLES * SAMPLES {
-                    let within = |n: usize| (n as f32 + 0.5) / SAMPLES as f32 - SIDE_PX as f32 / 2.0;
-                    let (right, down) =
-                        (px as f32 + within(sample % SAMPLES), py as f32 + within(sample / SAMPLES));
-                    let colour = self.at(right, -down, turn);
-                    (0..3).for_each(|c| sum[c] += colour[c] / (SAMPLES * SAMPLES) as f32);
-                }
-                let noise = |salt: u32| hash(seed + salt, px as i32, py as i32);
-                let noise = NOISE * (noise(0) - noise(1));
-                bytes.extend(sum.map(|v| (v + noise).round().clamp(0.0, 255.0) as u8));
-            }
-        }
-        bytes
+        exposed((SIDE_PX, SIDE_PX), NOISE, seed, |dx, dy| self.at(dx, -dy, turn).unwrap_or_default())
     }
 }
 
@@ -366,10 +356,25 @@ mod tests {
     fn a_face_towards_the_lamp_is_brighter() {
         let cube = Thing::default().with_box([-20.0, -20.0, 0.0], [20.0, 20.0, 40.0], plain([100.0; 3]));
         let turn = (0.0, 1.0);
-        let (front, top) = (cube.at(0.0, -15.0, turn)[0], cube.at(0.0, 12.0, turn)[0]);
+        let red = |up| cube.at(0.0, up, turn).unwrap()[0];
+        let (front, top) = (red(-15.0), red(12.0));
         let light = |normal: Vector| 100.0 * (AMBIENT + (1.0 - AMBIENT) * dot(normal, LAMP).max(0.0));
         assert!((front - light([0.0, -1.0, 0.0])).abs() < 0.1, "{front}");
         assert!((top - light([0.0, 0.0, 1.0])).abs() < 0.1, "{top}");
-        assert_eq!(cube.at(40.0, 0.0, turn), [0.0; 3]);
+        assert_eq!(cube.at(40.0, 0.0, turn), None);
+    }
+
+    #[test]
+    fn from_above_a_house_is_as_broad_and_long_as_its_roof_and_the_chimney_stands_out() {
+        let house = thing("house");
+        let turn = 90.0_f32.to_radians().sin_cos();
+        // half a roof of 60 × 44, turned by 90°: its length lies along the view's height
+        let seen = |right, back| house.seen_from_above(right, back, turn);
+        assert!(seen(0.0, 29.0).is_some() && seen(0.0, 31.0).is_none());
+        assert!(seen(21.0, 0.0).is_some() && seen(23.0, 0.0).is_none());
+        // the chimney at (14, −8) comes to (8, 14): wood, lit from above
+        let lit = AMBIENT + (1.0 - AMBIENT) * LAMP[2];
+        let [red, ..] = seen(8.0, 14.0).unwrap();
+        assert!((red - WOOD[0] * lit).abs() < 0.5, "{red}");
     }
 }

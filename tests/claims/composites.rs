@@ -163,12 +163,12 @@ fn pixel(image: &Image, x: f64, y: f64) -> f64 {
     if inside { f64::from(image.at(x as usize, y as usize)) } else { 0.0 }
 }
 
-fn linear(image: &Image, x: f64, y: f64) -> f64 {
+pub fn linear(image: &Image, x: f64, y: f64) -> f64 {
     resampled(image, x, y, 0, |distance| 1.0 - distance)
 }
 
 /// The cubic of Catmull and Rom.
-fn cubic(image: &Image, x: f64, y: f64) -> f64 {
+pub fn cubic(image: &Image, x: f64, y: f64) -> f64 {
     resampled(image, x, y, 1, |d| match d <= 1.0 {
         true => 1.5 * d * d * d - 2.5 * d * d + 1.0,
         false => -0.5 * d * d * d + 2.5 * d * d - 4.0 * d + 2.0,

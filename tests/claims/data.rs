@@ -1,4 +1,4 @@
-//! The real pictures: turntable objects, photographs, frames of a walk through a building.
+//! The real pictures: turntable objects, photographs, frames of a walk through a building, tables with parts.
 
 use std::collections::BTreeMap;
 use std::env;
@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
+use serde_json::Value;
 
 /// The data folder; says so and is `None` when the variable isn't set.
 pub fn folder() -> Option<PathBuf> {
@@ -69,4 +70,51 @@ pub fn tower_clips(folder: &Path, count: usize) -> Vec<Clip> {
     longest.truncate(count);
     longest.sort_by_key(|(name, _)| *name);
     longest.into_iter().map(|(_, frames)| Clip { frames }).collect()
+}
+
+/// A table with objects.
+pub struct Table {
+    pub name: String,
+    pub picture: Image,
+    /// Of its objects, x and y.
+    pub centroids_px: Vec<[f64; 2]>,
+}
+
+fn json(path: &Path) -> Value {
+    let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().expect("a list")
+}
+
+fn point(value: &Value) -> [f64; 2] {
+    [0, 1].map(|axis| value[axis].as_f64().expect("a coordinate"))
+}
+
+/// The sixteen scenes made of photographed objects, in the order of their names.
+pub fn made_tables(folder: &Path) -> Vec<Table> {
+    let root = folder.join("segmentation/composites");
+    let truth = json(&root.join("ground_truth.json"));
+    let scenes = list(&truth).iter().map(|scene| {
+        let name = scene["image"].as_str().expect("a name").to_owned();
+        let picture = read(&root.join(&name)).luminance;
+        let objects = list(&scene["objects"]).iter();
+        Table { name, picture, centroids_px: objects.map(|object| point(&object["centroid_xy"])).collect() }
+    });
+    scenes.collect()
+}
+
+/// The photograph of coins, with their centres.
+pub fn coins(folder: &Path) -> Table {
+    let root = folder.join("segmentation/real");
+    let truth = json(&root.join("coins_reference.json"));
+    let centroids_px = list(&truth["centroids_xy"]).iter().map(point).collect();
+    Table { name: "coins".to_owned(), picture: read(&root.join("coins.png")).luminance, centroids_px }
+}
+
+/// The photograph of six dark propellers on a light ground, gray.
+pub fn propellers(folder: &Path) -> Image {
+    read(&folder.join("segmentation/real/pca_test1.jpg")).luminance
 }
