@@ -1,13 +1,12 @@
-//! What stands out from the background: by the mean of the background around each pixel, by Otsu's level, or by a fixed
-//! one.
+//! What stands out from the background: by the mean of the background around each pixel, or by Otsu's level.
 //!
-//! The adaptive threshold looks three times. The mean around a pixel tells a lower class; that class's mean, what is
+//! The background is looked for three times. The mean around a pixel tells a lower class; that class's mean, what is
 //! near the background; and the mean of that, without what stands out, is the background. So bright parts don't lift
 //! the background around them, and a part needn't be smaller than half the window to be whole. The text takes the mean
 //! alone.
 
+use super::SegmentationOptions;
 use super::background::Background;
-use super::{SegmentationOptions, Threshold};
 
 /// How far a pixel must stand out at least, in grey levels.
 const LEAST_OFFSET: f32 = 10.0;
@@ -34,32 +33,30 @@ pub(super) struct Foreground {
 }
 
 impl Foreground {
-    /// Of a picture in which what is looked for is light; `width` pixels a row.
+    /// Of a picture in which what is looked for is light, `width` pixels a row, by its background.
     pub fn of(levels: &[f32], width: usize, options: &SegmentationOptions) -> Foreground {
-        match options.threshold {
-            Threshold::Adaptive => adaptive(levels, width, options),
-            Threshold::Otsu => beyond(levels, otsu_level(levels)),
-            Threshold::Fixed(level) => beyond(levels, level as f32),
+        let height = levels.len() / width.max(1);
+        let side = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
+        let near = options.offset.map_or(LEAST_OFFSET, |offset| offset as f32);
+        let mut background = Background::new(width, height, side);
+        let mut ground = vec![f32::INFINITY; levels.len()];
+        for offset in [0.0, 0.0, near] {
+            background.take_means(levels, &ground, offset);
+            background.draw(&mut ground);
         }
+        let mut above = ground;
+        above.iter_mut().zip(levels).for_each(|(above, v)| *above = v - *above);
+        let offset = match options.offset {
+            Some(offset) => offset as f32,
+            None => (OFFSET_SIGMAS * deviation(&above, width)).clamp(LEAST_OFFSET, MOST_OFFSET),
+        };
+        Foreground { above, offset }
     }
-}
-
-/// The background is the mean of what isn't above the level.
-fn beyond(levels: &[f32], level: f32) -> Foreground {
-    let below = |v: f32| if v <= level { 1.0 } else { 0.0 };
-    // Piece by piece, so that no sum loses what is small.
-    let (mut sum, mut count) = (0.0, 0.0);
-    for levels in levels.chunks(1024) {
-        sum += f64::from(levels.iter().map(|&v| below(v) * v).sum::<f32>());
-        count += f64::from(levels.iter().map(|&v| below(v)).sum::<f32>());
-    }
-    let background = if count > 0.0 { (sum / count) as f32 } else { level };
-    Foreground { above: levels.iter().map(|v| v - background).collect(), offset: level - background }
 }
 
 /// Otsu's level: the one between two classes of grey levels whose means are farthest apart, by their variance.
 /// "At most" is background. Pictures of one level have none that is above it.
-fn otsu_level(levels: &[f32]) -> f32 {
+pub(super) fn otsu_level(levels: &[f32]) -> f32 {
     let mut counts = [0_usize; 256];
     for level in levels {
         counts[(level + 0.5).clamp(0.0, 255.0) as usize] += 1;
@@ -82,25 +79,6 @@ fn otsu_level(levels: &[f32]) -> f32 {
     }
     // Levels were rounded to be counted.
     best_level as f32 + 0.5
-}
-
-fn adaptive(levels: &[f32], width: usize, options: &SegmentationOptions) -> Foreground {
-    let height = levels.len() / width.max(1);
-    let side = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
-    let near = options.offset.map_or(LEAST_OFFSET, |offset| offset as f32);
-    let mut background = Background::new(width, height, side);
-    let mut ground = vec![f32::INFINITY; levels.len()];
-    for offset in [0.0, 0.0, near] {
-        background.take_means(levels, &ground, offset);
-        background.draw(&mut ground);
-    }
-    let mut above = ground;
-    above.iter_mut().zip(levels).for_each(|(above, v)| *above = v - *above);
-    let offset = match options.offset {
-        Some(offset) => offset as f32,
-        None => (OFFSET_SIGMAS * deviation(&above, width)).clamp(LEAST_OFFSET, MOST_OFFSET),
-    };
-    Foreground { above, offset }
 }
 
 /// Standard deviation of the background, by the median absolute deviation in every [`EVERY_ROW`]th row.
@@ -161,19 +139,7 @@ mod tests {
             (0..1000).map(|at| if at % 4 == 0 { 180.0 } else { 30.0 } + (at % 9) as f32).collect();
         let level = otsu_level(&levels);
         assert!((38.0..180.0).contains(&level), "{level}");
-        let otsu = SegmentationOptions { threshold: Threshold::Otsu, ..SegmentationOptions::default() };
-        let foreground = Foreground::of(&levels, 100, &otsu);
-        assert_eq!(foreground.above.iter().filter(|&&v| v > foreground.offset).count(), 250);
-        let flat = Foreground::of(&[7.0; 50], 10, &otsu);
-        assert!(flat.above.iter().all(|&v| v <= flat.offset), "one level has nothing above it");
-    }
-
-    #[test]
-    fn a_fixed_level_is_that_level() {
-        let fixed =
-            SegmentationOptions { threshold: Threshold::Fixed(99.0), ..SegmentationOptions::default() };
-        let foreground = Foreground::of(&[0.0, 98.0, 99.0, 100.0, 200.0], 5, &fixed);
-        let out: Vec<bool> = foreground.above.iter().map(|&v| v > foreground.offset).collect();
-        assert_eq!(out, [false, false, false, true, true]);
+        assert_eq!(levels.iter().filter(|&&v| v > level).count(), 250);
+        assert_eq!(otsu_level(&[7.0; 50]), 255.5, "one level has nothing above it");
     }
 }

@@ -10,7 +10,7 @@ mod options;
 mod region;
 
 use components::{Run, Touching, components};
-use foreground::Foreground;
+use foreground::{Foreground, otsu_level};
 use holes::fill_dark_holes;
 use options::MAX_WINDOW_PX;
 pub use options::{MAX_OBJECTS, Polarity, SegmentationOptions, Threshold};
@@ -137,23 +137,28 @@ pub fn segmented_from_near(luminance: &Image, options: &SegmentationOptions) -> 
 /// 1 where something stands out, else 0.
 fn mask(luminance: &Image, options: &SegmentationOptions, smallest_px: usize) -> Vec<u8> {
     let width = luminance.width();
-    let foreground = match (options.polarity, options.threshold) {
-        (Polarity::LightOnDark, _) => Foreground::of(luminance.pixels(), width, options),
-        (Polarity::DarkOnLight, threshold) => {
-            let levels: Vec<f32> = luminance.pixels().iter().map(|v| WHITE - v).collect();
-            let threshold = match threshold {
-                Threshold::Fixed(level) => Threshold::Fixed(f64::from(WHITE) - level),
-                other => other,
-            };
-            Foreground::of(&levels, width, &SegmentationOptions { threshold, ..options.clone() })
+    let negative: Vec<f32>;
+    let levels = match options.polarity {
+        Polarity::LightOnDark => luminance.pixels(),
+        Polarity::DarkOnLight => {
+            negative = luminance.pixels().iter().map(|v| WHITE - v).collect();
+            &negative
         }
     };
-    let mut mask: Vec<u8> = foreground.above.iter().map(|&v| u8::from(v > foreground.offset)).collect();
-    // Against one level for the whole picture a shaded table is dark, too.
-    if options.threshold == Threshold::Adaptive {
-        fill_dark_holes(&mut mask, width, &foreground, smallest_px);
+    let beyond = |level: f32| levels.iter().map(|&v| u8::from(v > level)).collect();
+    match (options.threshold, options.polarity) {
+        (Threshold::Adaptive, _) => {
+            let foreground = Foreground::of(levels, width, options);
+            let stands_out = foreground.above.iter().map(|&v| u8::from(v > foreground.offset));
+            let mut mask: Vec<u8> = stands_out.collect();
+            // Against one level for the whole picture a shaded table would be dark, too.
+            fill_dark_holes(&mut mask, width, &foreground, smallest_px);
+            mask
+        }
+        (Threshold::Otsu, _) => beyond(otsu_level(levels)),
+        (Threshold::Fixed(level), Polarity::LightOnDark) => beyond(level as f32),
+        (Threshold::Fixed(level), Polarity::DarkOnLight) => beyond(WHITE - level as f32),
     }
-    mask
 }
 
 #[cfg(test)]
@@ -250,6 +255,19 @@ mod tests {
             assert_eq!(other.polarity(), Polarity::DarkOnLight);
             assert_eq!((seen.regions, seen.labels), (other.regions, other.labels), "{threshold:?}");
         }
+    }
+
+    #[test]
+    fn a_fixed_level_is_background_itself() {
+        let picture = Image::new(5, 1, vec![0.0, 98.0, 99.0, 100.0, 200.0]);
+        let fixed = |polarity| SegmentationOptions {
+            threshold: Threshold::Fixed(99.0),
+            polarity,
+            min_area_px: Some(1),
+            ..SegmentationOptions::default()
+        };
+        assert_eq!(segmented(&picture, &fixed(Polarity::LightOnDark)).labels(), [0, 0, 0, 1, 1]);
+        assert_eq!(segmented(&picture, &fixed(Polarity::DarkOnLight)).labels(), [1, 1, 0, 0, 0]);
     }
 
     #[test]
