@@ -26,6 +26,10 @@ pub struct ObjectsReport {
     pub under_exposed: Vec<String>,
     pub blank: Vec<String>,
     pub resized: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub touches_border: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub several_regions: Vec<String>,
     /// Not in an artifact: the same inputs give the same file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<ReportTimings>,
@@ -104,6 +108,8 @@ impl From<&TrainingReport> for ObjectsReport {
             under_exposed: report.under_exposed.clone(),
             blank: report.blank.clone(),
             resized: report.resized.clone(),
+            touches_border: report.touches_border.clone(),
+            several_regions: report.several_regions.clone(),
             timings_ms: None,
         }
     }

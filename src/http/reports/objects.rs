@@ -45,6 +45,10 @@ pub struct ObjectsReportBody {
     pub blank: Vec<String>,
     /// Exemplars that were not of the database's size, and were scaled.
     pub resized: Vec<String>,
+    /// With `segment`: exemplars whose object reaches the picture's border, which may cut it.
+    pub touches_border: Vec<String>,
+    /// With `segment`: exemplars in which another thing is nearly as large; the largest was learnt.
+    pub several_regions: Vec<String>,
     /// Where it was trained here: how long that took.
     pub timings_ms: Option<TrainingTimings>,
 }
@@ -136,6 +140,8 @@ impl From<ObjectsReport> for ObjectsReportBody {
             under_exposed: report.under_exposed,
             blank: report.blank,
             resized: report.resized,
+            touches_border: report.touches_border,
+            several_regions: report.several_regions,
             timings_ms: report.timings_ms.map(TrainingTimings::from),
         }
     }

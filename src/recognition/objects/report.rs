@@ -50,6 +50,9 @@ pub struct TrainingReport {
     pub under_exposed: Vec<String>,
     pub blank: Vec<String>,
     pub resized: Vec<String>,
+    /// Ids of views whose object was cut out and reaches the border, or wasn't the only large one.
+    pub touches_border: Vec<String>,
+    pub several_regions: Vec<String>,
 }
 
 /// Held-out views recognised at a dimension.
@@ -156,6 +159,8 @@ impl Told<'_> {
             over_exposed: ids(|view| view.appearance.over_exposed),
             under_exposed: ids(|view| view.appearance.under_exposed),
             resized: ids(|view| view.appearance.resized),
+            touches_border: ids(|view| view.appearance.touches_border),
+            several_regions: ids(|view| view.appearance.crowded),
             blank: self.blank,
             spectrum: self.spectrum,
             rate_by_dimension: self.rate_by_dimension,

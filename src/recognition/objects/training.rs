@@ -354,6 +354,29 @@ mod tests {
     }
 
     #[test]
+    fn exemplars_that_are_cut_out_badly_are_told() {
+        let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
+        let canvas = Canvas::new(&options, (96, 96));
+        let discs = |places: &[(f64, f64)]| {
+            Frame::gray(Image::from_fn(96, 96, |x, y| {
+                let near = |(to_x, to_y): &(f64, f64)| (x as f64 - to_x).hypot(y as f64 - to_y) < 15.0;
+                if places.iter().any(near) { 120.0 + x as f32 } else { 10.0 }
+            }))
+        };
+        let views = [
+            ("whole", discs(&[(48.0, 48.0)])),
+            ("cut", discs(&[(90.0, 40.0)])),
+            ("two", discs(&[(24.0, 40.0), (70.0, 60.0)])),
+            ("none", discs(&[])),
+        ];
+        let views = views.map(|(id, frame)| View { id: id.into(), ..view(&canvas, "disc", None, &frame) });
+        let (_, report) = Objects::train(views.to_vec(), &canvas, &options).unwrap();
+        assert_eq!(report.touches_border, ["cut"]);
+        assert_eq!(report.several_regions, ["two"]);
+        assert_eq!(report.blank, ["none"]);
+    }
+
+    #[test]
     fn what_is_wrong_with_exemplars_is_told() {
         let options = ObjectOptions::default();
         let canvas = canvas(&options);
