@@ -14,6 +14,10 @@ pub(super) fn document_of(options: &Options) -> Value {
 pub(super) fn options_with(kind: Kind, given: &[String]) -> Result<Options, EvaluateError> {
     let defaults = document_of(&Options::default_of(kind));
     let mut document: Map<String, Value> = defaults.as_object().cloned().unwrap_or_default();
+    if kind == Kind::Objects {
+        // Documents name it only where it is on.
+        document.insert("segment".into(), Value::from(false));
+    }
     let read = |document: &Map<String, Value>| {
         Options::from_document(kind, &Value::from(document.clone()).to_string())
     };
@@ -63,14 +67,17 @@ mod tests {
 
     #[test]
     fn each_kind_has_options_of_its_own() {
-        let options = with(Kind::Objects, &["dimension=12", "width_px=64", "height_px=48"]).unwrap();
+        let pairs = ["dimension=12", "segment=true", "width_px=64", "height_px=48"];
+        let options = with(Kind::Objects, &pairs).unwrap();
         let expected = ObjectOptions {
             dimension: Dimension::Fixed(12),
+            segment: true,
             width_px: Some(64),
             height_px: Some(48),
             ..ObjectOptions::default()
         };
         assert_eq!(options, Options::Objects(expected));
+        assert_eq!(with(Kind::Objects, &[]).unwrap(), Options::Objects(ObjectOptions::default()));
         assert!(matches!(with(Kind::Objects, &["rings=8"]), Err(EvaluateError::UnknownOption { .. })));
         let lone = with(Kind::Objects, &["width_px=64"]);
         assert!(
