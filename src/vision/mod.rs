@@ -1,5 +1,6 @@
 //! From pixels to signatures, in the order of the paper's section 4: smoothing, gradient, symmetry map,
-//! interest points (A§4.2); polar sub-windows (A§4.3); signatures (A§4.4) and their colour part.
+//! interest points (A§4.2); polar sub-windows (A§4.3); signatures (A§4.4) and their colour part. Beside them
+//! segmentation (paper B, B§3).
 //!
 //! The loops are plain arithmetic that a compiler turns into vector instructions; `pulp` compiles them
 //! once for the baseline and once for AVX2 and picks at run time. No multiplication is fused with an

@@ -66,7 +66,7 @@ pub(super) fn cutout(
     let Some(([centre_x, centre_y], radius)) = moments(luminance, segmentation, region) else {
         return Image::from_fn(width_px, height_px, |_, _| 0.0);
     };
-    // Pixels of the picture to one of the cutout.
+    // B§3, normalisation: pixels of the picture to one of the cutout.
     let step = 2.0 * ROOM * radius / width_px.min(height_px) as f64;
     // What a coarser grid can't show is averaged away first: in whole squares of pixels, and the rest by a Gaussian,
     // which spreads beyond the box.

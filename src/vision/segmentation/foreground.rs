@@ -16,7 +16,7 @@ const MOST_OFFSET: f32 = 60.0;
 const OFFSET_SIGMAS: f32 = 4.0;
 /// The window is the picture's shorter side by this, if it is chosen.
 const WINDOWS_A_SIDE: usize = 3;
-/// The deviation of the background is looked at in every so manieth row.
+/// Of so many rows, one is looked at for the deviation of the background.
 const EVERY_ROW: usize = 4;
 /// From a median absolute deviation to a standard deviation.
 const SIGMAS_A_DEVIATION: f32 = 1.4826;
@@ -38,7 +38,7 @@ impl Foreground {
         let height = levels.len() / width.max(1);
         let side = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
         let near = options.offset.map_or(LEAST_OFFSET, |offset| offset as f32);
-        let mut background = Background::new(width, height, side);
+        let mut background = Background::new(width, height, side); // B§3
         let mut ground = vec![f32::INFINITY; levels.len()];
         for offset in [0.0, 0.0, near] {
             background.take_means(levels, &ground, offset);

@@ -94,8 +94,8 @@ pub fn segmented(luminance: &Image, options: &SegmentationOptions) -> Segmentati
     let (width, height) = (luminance.width(), luminance.height());
     let smallest_px =
         options.min_area_px.unwrap_or_else(|| (width * height / SMALLEST_PART).max(SMALLEST_PX));
-    let mask = mask(luminance, options, smallest_px);
-    let (mut runs, count) = components(&mask, width, Touching::Corners);
+    let mask = mask(luminance, options, smallest_px); // B§3, threshold
+    let (mut runs, count) = components(&mask, width, Touching::Corners); // B§3, labelling
     let mut areas = vec![0_u32; count];
     runs.iter().for_each(|run| areas[run.component()] += run.columns().len() as u32);
     let mut largest: Vec<usize> = (0..count).filter(|&c| areas[c] as usize >= smallest_px).collect();
@@ -119,7 +119,7 @@ pub fn segmented(luminance: &Image, options: &SegmentationOptions) -> Segmentati
             labels[run.row() * width..][run.columns()].fill(ids[run.component()]);
         }
         ends.push(ends.last().copied().unwrap_or(0) + runs.len());
-        regions.push(sums.region(ends.len(), width, height));
+        regions.push(sums.region(ends.len(), width, height)); // B§3, centroid
     }
     Segmentation { width, height, polarity: options.polarity, labels, runs, ends, regions, found }
 }
