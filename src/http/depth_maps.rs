@@ -1,7 +1,6 @@
 //! `POST /v1/depth-maps`: how far away everything is, from a near- and a far-focused picture.
 
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Request, State};
@@ -15,7 +14,8 @@ use super::extract::Query;
 use super::optics::OpticsBody;
 use super::options::{DepthMethodWord, DepthOptionsBody, WindowBody};
 use super::problem::{FieldError, Problem};
-use super::recognitions::{ms, stopwatch};
+use super::recognitions::ms;
+use super::stages::Stages;
 use super::uploads::{HeaderEcho, KnownParts, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
@@ -234,32 +234,30 @@ struct Measured {
     summary: Summary,
     size_px: (usize, usize),
     file: Option<File>,
-    /// The names of the stages and how long each took.
-    clocked: Vec<(&'static str, Duration)>,
+    stages: Stages,
 }
 
 /// Decode, measure, write: runs on a computing thread.
 fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> {
     let Question { near, far, calibration, options, form } = question;
-    let mut lap = stopwatch();
+    let mut stages = Stages::begin();
     let estimator = service.estimators.ready(calibration, options)?;
-    let mut clocked = vec![("design", lap())];
+    stages.end("design");
     let pair = decoded_pair([near, far], ["near", "far"], &service.decode)?;
-    clocked.push(("decode", lap()));
+    stages.end("decode");
     let map = estimator.estimate(&pair, &mut |stage| {
-        let stage = match stage {
+        stages.end(match stage {
             Stage::Register => "register",
             Stage::Match => "match",
             Stage::Estimate => "estimate",
             Stage::Judge => "judge",
-        };
-        clocked.push((stage, lap()));
+        });
     })?;
     let file = form.write(&map, &pair);
     if file.is_some() {
-        clocked.push(("encode", lap()));
+        stages.end("encode");
     }
-    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, clocked })
+    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, stages })
 }
 
 /// The focal pair of two pictures; `names` are their parts'.
@@ -350,15 +348,13 @@ impl Service {
             measure(&question, &service)
         };
         let (measured, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let Measured { summary, size_px, file, clocked } = measured?;
-        self.metrics.stage(Work::Depth, "queue", queue);
-        clocked.iter().for_each(|(stage, took)| self.metrics.stage(Work::Depth, stage, *took));
+        let Measured { summary, size_px, file, stages } = measured?;
+        stages.count(&self.metrics, Work::Depth, queue);
         if let Some(file) = file {
             return Ok(file.into_response(&summary));
         }
-        let took =
-            |stage: &str| clocked.iter().find(|(name, _)| *name == stage).map_or(0.0, |(_, took)| ms(*took));
-        let [register, r#match, estimate, judge] = ["register", "match", "estimate", "judge"].map(took);
+        let [register, r#match, estimate, judge] =
+            ["register", "match", "estimate", "judge"].map(|stage| stages.ms(stage));
         let body = DepthMapBody {
             header: robot.into(),
             method: method.into(),
@@ -383,8 +379,8 @@ impl Service {
             warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
             timings_ms: DepthTimings {
                 queue: ms(queue),
-                design: took("design"),
-                decode: took("decode"),
+                design: stages.ms("design"),
+                decode: stages.ms("decode"),
                 total: register + r#match + estimate + judge,
                 register,
                 r#match,

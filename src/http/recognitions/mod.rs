@@ -174,7 +174,7 @@ struct Recognised {
 }
 
 /// Gives the time since it was last asked.
-pub(super) fn stopwatch() -> impl FnMut() -> Duration {
+fn stopwatch() -> impl FnMut() -> Duration {
     let mut last = Instant::now();
     move || {
         let now = Instant::now();
