@@ -1,4 +1,4 @@
-//! The nearest of N eigenpoints of D coordinates for 64 queries: the tree beside looking at all.
+//! The nearest of N eigenpoints of D coordinates for 64 queries: the tree beside looking at all; and several nearest.
 //!
 //! Coordinates spread as the eigenvalues of real signatures do, ever less: half the variance lies in the
 //! first few. Half of the queries are eigenpoints seen again with some noise (a hit), half are new (a
@@ -42,11 +42,32 @@ fn search(criterion: &mut Criterion) {
                 b.iter(|| black_box(index.nearest(queries)));
             });
             group.bench_with_input(BenchmarkId::new("looking at all", count), &queries, |b, queries| {
-                b.iter(|| black_box(index.nearest_exhaustive(queries)));
+                b.iter(|| black_box(index.nearest_several(queries, 1)));
             });
         }
         group.finish();
     }
+}
+
+/// The several nearest for the 500 queries of a frame, beside the nearest alone.
+fn several(criterion: &mut Criterion) {
+    const DIMENSION: usize = 32;
+    let mut group = criterion.benchmark_group("500 queries of 32 coordinates");
+    group.sample_size(10);
+    let queries = cloud(500, DIMENSION, 2);
+    for count in [2_560, 256_000] {
+        let index = EigenpointIndex::new(cloud(count, DIMENSION, 1), DIMENSION);
+        for asked in [1, 10, 30] {
+            group.bench_with_input(
+                BenchmarkId::new(format!("nearest {asked}"), count),
+                &asked,
+                |b, &asked| {
+                    b.iter(|| black_box(index.nearest_several(&queries, asked)));
+                },
+            );
+        }
+    }
+    group.finish();
 }
 
 /// All eigenpoints within a radius that holds about five: the three ways of an object database. They must agree
@@ -91,5 +112,5 @@ fn usual_radius(points: &[f32], queries: &[f32], dimension: usize) -> f64 {
     distances[distances.len() / 2]
 }
 
-criterion_group!(benches, search, vicinity);
+criterion_group!(benches, search, several, vicinity);
 criterion_main!(benches);

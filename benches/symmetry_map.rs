@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd::imaging::Image;
-use landmarkd::vision::{gradient, interest_points, smoothed, symmetry_map};
+use landmarkd::vision::{gradient, harris, interest_points, smoothed, symmetry_map};
 
 /// Overlapping discs of different greys: edges everywhere, at all angles.
 fn picture(width: usize, height: usize) -> Image {
@@ -60,6 +60,7 @@ fn steps(criterion: &mut Criterion) {
             group.sample_size(10);
             group.bench_function("symmetry map, as the formula has it", |b| b.iter(|| direct(&smooth, 6)));
         }
+        group.bench_function("Harris", |b| b.iter(|| harris(&smooth, 6)));
         group.bench_function("interest points", |b| b.iter(|| interest_points(&map)));
         group.finish();
     }

@@ -3,27 +3,35 @@
 //! Distances are Euclidean, not squared. Both ways return the distance as computed in f64 from the
 //! eigenpoint found, so that they agree to the bit where they find the same; of identical eigenpoints the
 //! lowest index is found.
+//!
+//! Looking at all is a product of matrices: of ‖q − t‖² = ‖q‖² + (‖t‖² − 2 q·t), B(14), the part in brackets in f32.
+//! Given a bound on its rounding, it tells which eigenpoints can't be among the nearest; the few that can are
+//! measured in f64. So what is found does not depend on the order in which a machine adds the products up.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::tree::PointTree;
 
 /// A tree is asked for up to this many coordinates, and from this many different eigenpoints on.
 ///
-/// Measured by `benches/search.rs` for 64 queries, half of them new, in ms, tree / looking at all:
+/// Measured as `benches/search.rs` does, for 64 queries, half of them new, the least of 15 rounds or more in ms,
+/// tree / looking at all:
 ///
 /// | coordinates | 1280 | 10 000 | 100 000 eigenpoints |
 /// | --- | --- | --- | --- |
-/// | 8 | 0.21 / 0.10 | 0.43 / 0.71 | 1.2 / 8.3 |
-/// | 16 | 0.58 / 0.18 | 3.3 / 1.2 | 15.8 / 10.0 |
-/// | 32 | 0.99 / 0.21 | 6.2 / 2.0 | 92 / 22 |
-/// | 64 | 3.3 / 0.35 | 18 / 3.8 | 258 / 38 |
+/// | 8 | 0.14 / 0.07 | 0.31 / 0.39 | 0.70 / 4.4 |
+/// | 16 | 0.39 / 0.09 | 2.1 / 0.49 | 18 / 7.0 |
+/// | 32 | 0.95 / 0.12 | 7.8 / 0.88 | 93 / 11 |
+/// | 64 | 2.4 / 0.18 | 14 / 1.2 | 236 / 19 |
 const TREE_TO_DIMENSION: usize = 8;
 const TREE_FROM_POINTS: usize = 10_000;
-/// Eigenpoints compared at a time: 64 partial sums are 8 vector registers' worth, half of AVX2's.
-const LANES: usize = 64;
-/// Coordinates taken at a time; tiles are padded with zeros to a multiple.
-const STEP: usize = 4;
+/// Queries and eigenpoints of one product: at most 1 MB of f32, within a second cache.
+const BLOCK_QUERIES: usize = 64;
+const BLOCK_POINTS: usize = 4096;
+/// The eigenpoints of a block fall into so many classes in turn; only a class whose least is near enough is looked into.
+const CLASSES: usize = 64;
 
 /// An eigenpoint found, and how far it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +46,8 @@ pub struct Neighbour {
 pub struct EigenpointIndex {
     points: Vec<f32>,
     dimension: usize,
-    /// The eigenpoints in tiles of [`LANES`], coordinate by coordinate within a tile.
-    tiles: Vec<f32>,
+    /// ‖t‖² of each eigenpoint.
+    squares: Vec<f32>,
     tree: Option<PointTree>,
 }
 
@@ -73,8 +81,8 @@ impl EigenpointIndex {
     fn exhaustive(points: Vec<f32>, dimension: usize) -> Self {
         assert!(dimension > 0 && !points.is_empty(), "an index holds an eigenpoint");
         assert!(points.len().is_multiple_of(dimension), "whole eigenpoints");
-        let tiles = tiles(&points, dimension);
-        EigenpointIndex { points, dimension, tiles, tree: None }
+        let squares = points.chunks_exact(dimension).map(|point| dot(point, point) as f32).collect();
+        EigenpointIndex { points, dimension, squares, tree: None }
     }
 
     /// The eigenpoints, n × dimension, row-major.
@@ -95,7 +103,7 @@ impl EigenpointIndex {
     /// Memory held.
     pub fn bytes(&self) -> usize {
         let copies = if self.has_tree() { 2 } else { 1 };
-        size_of_val(&self.points[..]) * copies + size_of_val(&self.tiles[..])
+        size_of_val(&self.points[..]) * copies + size_of_val(&self.squares[..])
     }
 
     /// The nearest eigenpoint of each of n × dimension row-major queries, all finite.
@@ -103,113 +111,162 @@ impl EigenpointIndex {
     /// # Panics
     /// If `queries` is not a whole number of them.
     pub fn nearest(&self, queries: &[f32]) -> Vec<Neighbour> {
-        let Some(tree) = &self.tree else { return self.nearest_exhaustive(queries) };
+        let Some(tree) = &self.tree else { return self.nearest_several(queries, 1) };
         assert!(queries.len().is_multiple_of(self.dimension), "whole queries");
-        queries.chunks_exact(self.dimension).map(|query| self.neighbour(query, tree.nearest(query))).collect()
+        let found = queries.chunks_exact(self.dimension).map(|query| {
+            let index = tree.nearest(query);
+            Neighbour { index, distance: distance(query, self.point(index)) as f32 } // A§4.5: D
+        });
+        found.collect()
     }
 
-    /// The same by looking at every eigenpoint: the judge of the tree.
+    /// The `count` nearest eigenpoints of each of n × dimension row-major queries, all finite, by looking at every
+    /// eigenpoint: the judge of the tree.
+    ///
+    /// A row of `count` for each query, or of all eigenpoints if there are fewer; ascending distances, of equal
+    /// ones the lower index first.
     ///
     /// # Panics
-    /// If `queries` is not a whole number of them.
-    pub fn nearest_exhaustive(&self, queries: &[f32]) -> Vec<Neighbour> {
+    /// If `queries` is not a whole number of them, or `count` is 0.
+    pub fn nearest_several(&self, queries: &[f32], count: usize) -> Vec<Neighbour> {
         assert!(queries.len().is_multiple_of(self.dimension), "whole queries");
-        let padded = self.dimension.next_multiple_of(STEP);
-        let count = queries.len() / self.dimension;
-        let mut spread = vec![0.0; count * padded];
-        for (wide, query) in spread.chunks_exact_mut(padded).zip(queries.chunks_exact(self.dimension)) {
-            wide[..self.dimension].copy_from_slice(query);
+        assert!(count > 0, "a query asks for something");
+        let (dimension, count) = (self.dimension, count.min(self.count()));
+        let as_matrix = |rows| MatRef::from_row_major_slice(rows, rows.len() / dimension, dimension);
+        let farthest = self.squares.iter().copied().fold(0.0, f32::max).sqrt();
+        let mut found = vec![(f64::INFINITY, usize::MAX); queries.len() / dimension * count];
+        let mut parts = vec![0.0; BLOCK_QUERIES * BLOCK_POINTS.min(self.count())];
+        let blocks = self.points.chunks(BLOCK_POINTS * dimension).zip(self.squares.chunks(BLOCK_POINTS));
+        for (number, (points, squares)) in blocks.enumerate() {
+            let first = number * BLOCK_POINTS;
+            let points = as_matrix(points).transpose();
+            let blocks = queries.chunks(BLOCK_QUERIES * dimension);
+            for (queries, found) in blocks.zip(found.chunks_mut(BLOCK_QUERIES * count)) {
+                let asked = queries.len() / dimension;
+                let parts = &mut parts[..asked * squares.len()];
+                let product = MatMut::from_row_major_slice_mut(&mut *parts, asked, squares.len());
+                matmul(product, Accum::Replace, as_matrix(queries), points, -2.0, Par::Seq); // B(14)
+                let rows = parts.chunks_exact_mut(squares.len()).zip(found.chunks_exact_mut(count));
+                for (query, (parts, found)) in queries.chunks_exact(dimension).zip(rows) {
+                    Arch::new().dispatch(Sift { index: self, first, farthest, squares, query, parts, found });
+                }
+            }
         }
-        // a tile stays in the first cache while all queries pass over it
-        let mut best = vec![(f32::INFINITY, 0); count];
-        for (number, tile) in self.tiles.chunks_exact(padded * LANES).enumerate() {
-            let first = number * LANES;
-            Arch::new().dispatch(NearestInTile { tile, first, queries: &spread, best: &mut best });
-        }
-        let queries = queries.chunks_exact(self.dimension).zip(best);
-        queries.map(|(query, (_, index))| self.neighbour(query, index)).collect()
+        let neighbour = |(square, index): (f64, usize)| Neighbour { index, distance: square.sqrt() as f32 };
+        found.into_iter().map(neighbour).collect()
     }
 
     fn point(&self, index: usize) -> &[f32] {
         &self.points[index * self.dimension..][..self.dimension]
     }
+}
 
-    fn neighbour(&self, query: &[f32], index: usize) -> Neighbour {
-        Neighbour { index, distance: distance(query, self.point(index)) as f32 } // A§4.5: D
+/// Take up what is near among a block of eigenpoints.
+struct Sift<'a> {
+    index: &'a EigenpointIndex,
+    /// Index of the block's first eigenpoint.
+    first: usize,
+    /// The greatest ‖t‖ of all eigenpoints.
+    farthest: f32,
+    /// ‖t‖² of the block.
+    squares: &'a [f32],
+    query: &'a [f32],
+    /// −2 q·t of the block.
+    parts: &'a mut [f32],
+    /// (squared distance, index), ascending.
+    found: &'a mut [(f64, usize)],
+}
+
+impl WithSimd for Sift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        // ‖t‖² − 2 q·t, and the least of each class
+        let mut least = [f32::INFINITY; CLASSES];
+        let (tiles, rest) = self.parts.as_chunks_mut::<CLASSES>();
+        let (squares, squares_of_rest) = self.squares.as_chunks::<CLASSES>();
+        let classes = S::as_mut_simd_f32s(&mut least).0;
+        for (parts, squares) in tiles.iter_mut().zip(squares) {
+            let (parts, squares) = (S::as_mut_simd_f32s(parts).0, S::as_simd_f32s(squares).0);
+            for lanes in 0..CLASSES / S::F32_LANES {
+                parts[lanes] = simd.add_f32s(parts[lanes], squares[lanes]);
+                classes[lanes] = simd.min_f32s(classes[lanes], parts[lanes]);
+            }
+        }
+        for (class, part) in rest.iter_mut().enumerate() {
+            *part += squares_of_rest[class];
+            least[class] = least[class].min(*part);
+        }
+
+        // Each of n products and sums in f32 is off by at most 2⁻²⁴ of it, and all of them together are at most
+        // (‖q‖ + ‖t‖)²: twice that, for what else is rounded. Infinite if f32 can't hold it, and then nothing is
+        // passed over.
+        let own = dot(self.query, self.query);
+        let reach = (own.sqrt() as f32 + self.farthest).powi(2);
+        let slack = (self.query.len() + 4) as f32 * f32::EPSILON * reach + f32::MIN_POSITIVE;
+        let last = self.found.len() - 1;
+        let limit = if self.found[last].0.is_finite() {
+            (self.found[last].0 - own) as f32 + slack
+        } else if last < CLASSES {
+            *least.clone().select_nth_unstable_by(last, f32::total_cmp).1 + 2.0 * slack
+        } else {
+            f32::INFINITY
+        };
+
+        for (class, &least) in least.iter().enumerate() {
+            if least > limit {
+                continue;
+            }
+            for at in (class..self.parts.len()).step_by(CLASSES) {
+                if self.parts[at] > limit {
+                    continue;
+                }
+                let index = self.first + at;
+                let candidate = (distance_square(self.query, self.index.point(index)), index);
+                if candidate < self.found[last] {
+                    let mut place = last;
+                    while place > 0 && candidate < self.found[place - 1] {
+                        self.found[place] = self.found[place - 1];
+                        place -= 1;
+                    }
+                    self.found[place] = candidate;
+                }
+            }
+        }
     }
 }
 
 /// Euclidean distance, in f64.
 pub(super) fn distance(a: &[f32], b: &[f32]) -> f64 {
-    let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
-    a.iter().zip(b).map(difference).map(|d| d * d).sum::<f64>().sqrt()
+    distance_square(a, b).sqrt()
 }
 
-/// Tiles of [`LANES`] eigenpoints, padded with zeros in the coordinates and with infinities at the end.
-fn tiles(points: &[f32], dimension: usize) -> Vec<f32> {
-    let padded = dimension.next_multiple_of(STEP);
-    let count = points.len() / dimension;
-    let mut tiles = vec![0.0; count.div_ceil(LANES) * padded * LANES];
-    for (tile, members) in tiles.chunks_exact_mut(padded * LANES).zip(points.chunks(LANES * dimension)) {
-        let members = members.chunks_exact(dimension);
-        tile[members.len()..LANES].fill(f32::INFINITY);
-        for (lane, point) in members.enumerate() {
-            for (k, &coordinate) in point.iter().enumerate() {
-                tile[k * LANES + lane] = coordinate;
-            }
-        }
-    }
-    tiles
-}
-
-/// Lower each query's best (squared distance, index) if the tile holds something nearer.
-struct NearestInTile<'a> {
-    tile: &'a [f32],
-    /// Index of the tile's first eigenpoint.
-    first: usize,
-    queries: &'a [f32],
-    best: &'a mut [(f32, usize)],
-}
-
-impl WithSimd for NearestInTile<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let padded = self.tile.len() / LANES;
-        for (query, best) in self.queries.chunks_exact(padded).zip(self.best) {
-            let squares = squares(self.tile, query);
-            let mut least = [f32::INFINITY; LANES / 4];
-            for part in squares.chunks_exact(LANES / 4) {
-                for (least, &square) in least.iter_mut().zip(part) {
-                    *least = if square < *least { square } else { *least };
-                }
-            }
-            if least.iter().any(|&square| square < best.0) {
-                for (lane, &square) in squares.iter().enumerate() {
-                    if square < best.0 {
-                        *best = (square, self.first + lane);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Squared distances of a query from the eigenpoints of a tile.
 #[inline(always)]
-fn squares(tile: &[f32], query: &[f32]) -> [f32; LANES] {
-    let mut squares = [0.0_f32; LANES];
-    for (rows, q) in tile.chunks_exact(STEP * LANES).zip(query.chunks_exact(STEP)) {
-        let (a, rest) = rows.split_at(LANES);
-        let (b, rest) = rest.split_at(LANES);
-        let (c, d) = rest.split_at(LANES);
-        for lane in 0..LANES {
-            let (a, b, c, d) = (a[lane] - q[0], b[lane] - q[1], c[lane] - q[2], d[lane] - q[3]);
-            squares[lane] += (a * a + b * b) + (c * c + d * d);
+fn distance_square(a: &[f32], b: &[f32]) -> f64 {
+    sum_in_lanes(a, b, |a, b| (a - b) * (a - b))
+}
+
+#[inline(always)]
+fn dot(a: &[f32], b: &[f32]) -> f64 {
+    sum_in_lanes(a, b, |a, b| a * b)
+}
+
+/// The sum over pairs in f64, eight partial sums at a time.
+#[inline(always)]
+fn sum_in_lanes(a: &[f32], b: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
+    let (a, a_rest) = a.as_chunks::<8>();
+    let (b, b_rest) = b.as_chunks::<8>();
+    let mut sums = [0.0_f64; 8];
+    for chunk in 0..a.len().min(b.len()) {
+        for lane in 0..8 {
+            sums[lane] += term(f64::from(a[chunk][lane]), f64::from(b[chunk][lane]));
         }
     }
-    squares
+    for at in 0..a_rest.len().min(b_rest.len()) {
+        sums[at] += term(f64::from(a_rest[at]), f64::from(b_rest[at]));
+    }
+    sums.iter().sum()
 }
 
 #[cfg(test)]
@@ -221,7 +278,7 @@ mod tests {
     fn both(points: &[f32], dimension: usize, queries: &[f32]) -> (Vec<Neighbour>, Vec<Neighbour>) {
         let index = EigenpointIndex::with_tree(points.to_vec(), dimension);
         assert!(index.has_tree());
-        (index.nearest(queries), index.nearest_exhaustive(queries))
+        (index.nearest(queries), index.nearest_several(queries, 1))
     }
 
     #[test]
@@ -287,7 +344,77 @@ mod tests {
         assert_eq!(index.nearest(&[f32::MIN, f32::MAX])[0].index, 0);
     }
 
+    /// All eigenpoints, sorted.
+    fn all_sorted(points: &[f32], dimension: usize, query: &[f32]) -> Vec<Neighbour> {
+        let points = points.chunks_exact(dimension).enumerate();
+        let mut all: Vec<(f64, usize)> =
+            points.map(|(index, p)| (distance_square(query, p), index)).collect();
+        all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        all.into_iter().map(|(square, index)| Neighbour { index, distance: square.sqrt() as f32 }).collect()
+    }
+
+    #[test]
+    fn several_come_from_all_blocks_in_order() {
+        // two blocks and a part of a class, queries of two blocks; a far offset makes the products coarse
+        let (count, dimension) = (2 * BLOCK_POINTS + 77, 3);
+        let value = |i: usize, offset: f32| ((i * 7919) % 10_007) as f32 / 10_007.0 + offset;
+        for offset in [0.0, 300.0] {
+            let points: Vec<f32> = (0..count * dimension).map(|i| value(i, offset)).collect();
+            let queries: Vec<f32> =
+                (0..(BLOCK_QUERIES + 3) * dimension).map(|i| value(31 * i + 5, offset)).collect();
+            let index = EigenpointIndex::new(points.clone(), dimension);
+            let found = [1, 10, CLASSES + 1].map(|asked| (asked, index.nearest_several(&queries, asked)));
+            for (at, query) in queries.chunks_exact(dimension).enumerate().step_by(11) {
+                let expected = all_sorted(&points, dimension, query);
+                for (asked, found) in &found {
+                    assert_eq!(
+                        found[at * asked..][..*asked],
+                        expected[..*asked],
+                        "query {at}, offset {offset}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn several_are_all_where_there_are_fewer() {
+        let index = EigenpointIndex::new(vec![3.0, 1.0, 2.0, 1.0], 1);
+        let found: Vec<usize> = index.nearest_several(&[0.0, 3.0], 9).iter().map(|n| n.index).collect();
+        assert_eq!(found, [1, 3, 2, 0, 0, 2, 1, 3]);
+        assert!(index.nearest_several(&[], 9).is_empty());
+    }
+
+    #[test]
+    fn several_are_found_where_f32_holds_no_square() {
+        let points = [1e30, 2e30, -1e30, f32::MAX, f32::MIN, 0.0];
+        let found = EigenpointIndex::new(points.to_vec(), 1).nearest_several(&[2.1e30], 6);
+        assert_eq!(found.iter().map(|n| n.index).collect::<Vec<_>>(), [1, 0, 5, 2, 3, 4]);
+    }
+
     proptest! {
+        #[test]
+        fn several_are_the_first_of_all_sorted(
+            (dimension, points, queries, count) in (1usize..40, 1usize..150, 1usize..80, 1usize..40).prop_flat_map(
+                |(dimension, points, queries, count)| (
+                    Just(dimension),
+                    // coarse ones among them, for equal distances
+                    prop::collection::vec(prop_oneof![-1.0f32..1.0, Just(0.0), Just(0.5)], dimension * points),
+                    prop::collection::vec(-1.2f32..1.2, dimension * queries),
+                    Just(count),
+                ),
+            ),
+        ) {
+            let index = EigenpointIndex::new(points.clone(), dimension);
+            let asked = [&queries[..], &points].concat();
+            let found = index.nearest_several(&asked, count);
+            let rows = found.chunks_exact(count.min(index.count()));
+            prop_assert_eq!(rows.len(), asked.len() / dimension);
+            for (query, row) in asked.chunks_exact(dimension).zip(rows) {
+                prop_assert_eq!(row, &all_sorted(&points, dimension, query)[..row.len()]);
+            }
+        }
+
         #[test]
         fn the_tree_finds_what_looking_at_all_finds(
             (dimension, points, queries) in (1usize..=64, 1usize..200, 1usize..20).prop_flat_map(

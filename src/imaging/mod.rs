@@ -15,10 +15,12 @@ pub mod image;
 pub mod npy;
 pub mod overlay;
 pub mod ply;
+pub mod random;
 pub mod resize;
 
 pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, read_header};
 pub use frame::Frame;
 pub use image::Image;
 pub use overlay::Overlay;
+pub use random::Random;
 pub use resize::fitted;

@@ -11,6 +11,8 @@ use crate::imaging::Image;
 const SEPARATION_PX: usize = 3;
 /// Maxima at or below this are noise of a flat picture.
 const LEAST_SALIENCE: f32 = 1e-3;
+/// Pixels and rows that a maximum is compared with, itself among them.
+const REACH_PX: usize = 2 * SEPARATION_PX + 1;
 /// Pixels of a row looked at together for peaks, of which there are few.
 const TILE_PX: usize = 32;
 
@@ -32,8 +34,7 @@ pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
         return Vec::new();
     }
     // the rows within reach, each pixel the highest along x
-    let kept = 2 * SEPARATION_PX + 1;
-    let mut across = vec![0.0; kept * width];
+    let mut across = vec![0.0; REACH_PX * width];
     let mut padded = vec![f32::NEG_INFINITY; width + 2 * SEPARATION_PX];
     let mut highest = vec![0.0; width];
     let mut next = 0;
@@ -41,11 +42,13 @@ pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
     for y in 0..height {
         while next < height.min(y + SEPARATION_PX + 1) {
             padded[SEPARATION_PX..][..width].copy_from_slice(map.row(next));
-            let rows = (0..kept).map(|shift| &padded[shift..]);
-            Arch::new().dispatch(Highest { out: &mut across[next % kept * width..][..width], rows });
+            let rows = std::array::from_fn(|shift| &padded[shift..]);
+            Arch::new().dispatch(Highest { out: &mut across[next % REACH_PX * width..][..width], rows });
             next += 1;
         }
-        let rows = (y.saturating_sub(SEPARATION_PX)..next).map(|row| &across[row % kept * width..]);
+        // at the border, one of those there are again
+        let row = |shift: usize| (y + shift).saturating_sub(SEPARATION_PX).min(height - 1);
+        let rows = std::array::from_fn(|shift| &across[row(shift) % REACH_PX * width..]);
         Arch::new().dispatch(Highest { out: &mut highest, rows });
         for (tile, (map_tile, highest)) in map.row(y).chunks(TILE_PX).zip(highest.chunks(TILE_PX)).enumerate()
         {
@@ -67,6 +70,26 @@ pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
     points
 }
 
+/// The points in another order: the first of every square of `side_px`, then the second of every square, and so
+/// on; those of the same rank stay in their order.
+pub fn spread(points: &[InterestPoint], side_px: usize) -> Vec<InterestPoint> {
+    let square = |point: &InterestPoint| (point.x_px as usize / side_px, point.y_px as usize / side_px);
+    let (columns, rows) =
+        points.iter().map(square).fold((0, 0), |(x, y), (sx, sy)| (x.max(sx + 1), y.max(sy + 1)));
+    let mut counts = vec![0_usize; columns * rows];
+    let mut ranked: Vec<(usize, InterestPoint)> = points
+        .iter()
+        .map(|point| {
+            let (x, y) = square(point);
+            let count = &mut counts[y * columns + x];
+            *count += 1;
+            (*count, *point)
+        })
+        .collect();
+    ranked.sort_by_key(|(rank, _)| *rank); // stable
+    ranked.into_iter().map(|(_, point)| point).collect()
+}
+
 /// Whether an equally high pixel within reach comes before (x, y) in reading order.
 fn follows_an_equal(map: &Image, x: usize, y: usize) -> bool {
     let here = map.at(x, y);
@@ -78,21 +101,22 @@ fn follows_an_equal(map: &Image, x: usize, y: usize) -> bool {
 }
 
 /// `out` = the highest of the rows, column by column.
-struct Highest<'a, R> {
+struct Highest<'a> {
     out: &'a mut [f32],
-    rows: R,
+    rows: [&'a [f32]; REACH_PX],
 }
 
-impl<'a, R: Iterator<Item = &'a [f32]>> WithSimd for Highest<'_, R> {
+impl WithSimd for Highest<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        self.out.fill(f32::NEG_INFINITY);
-        for row in self.rows {
-            for (out, &value) in self.out.iter_mut().zip(row) {
-                *out = if value > *out { value } else { *out };
-            }
+        let length = self.out.len();
+        let [a, b, c, d, e, f, g] = self.rows.map(|row| &row[..length]);
+        for p in 0..length {
+            let higher = |a: f32, b: f32| if a > b { a } else { b };
+            let (ab, cd, ef) = (higher(a[p], b[p]), higher(c[p], d[p]), higher(e[p], f[p]));
+            self.out[p] = higher(higher(ab, cd), higher(ef, g[p]));
         }
     }
 }
@@ -168,5 +192,14 @@ mod tests {
             expected.sort_by(|a, b| map.at(b.0, b.1).total_cmp(&map.at(a.0, a.1)));
             prop_assert_eq!(places(&map), expected);
         }
+    }
+
+    #[test]
+    fn all_of_a_picture_is_looked_at_before_a_part_of_it_twice() {
+        let point = |x_px: f32, salience: f32| InterestPoint { x_px, y_px: 5.0, salience };
+        let points = [point(1.0, 9.0), point(7.0, 8.0), point(20.0, 3.0), point(9.0, 2.0), point(30.0, 1.0)];
+        let order: Vec<f32> = spread(&points, 10).iter().map(|p| p.x_px).collect();
+        assert_eq!(order, [1.0, 20.0, 30.0, 7.0, 9.0]);
+        assert_eq!(spread(&[], 10), []);
     }
 }

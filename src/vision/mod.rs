@@ -1,12 +1,13 @@
-//! From pixels to signatures, in the order of the paper's section 4: smoothing, gradient, symmetry map,
-//! interest points (A§4.2); polar sub-windows (A§4.3); signatures (A§4.4) and their colour part. Beside them
-//! segmentation (paper B, B§3).
+//! From pixels to signatures, in the order of the paper's section 4: smoothing, gradient, symmetry map or
+//! another attention operator, interest points (A§4.2); polar sub-windows (A§4.3); signatures (A§4.4) and
+//! their colour part. Beside them segmentation (paper B, B§3).
 //!
 //! The loops are plain arithmetic that a compiler turns into vector instructions; `pulp` compiles them
 //! once for the baseline and once for AVX2 and picks at run time. No multiplication is fused with an
 //! addition and no sum is reordered, so both give the same bits.
 
 pub mod gradient;
+pub mod harris;
 pub mod interest_points;
 pub mod opponent;
 mod option_fault;
@@ -15,12 +16,15 @@ pub mod signature;
 pub mod smoothing;
 pub mod subwindow;
 pub mod symmetry;
+pub mod theta_spectrum;
 
 pub use gradient::{Gradient, gradient};
-pub use interest_points::{InterestPoint, interest_points};
+pub use harris::harris;
+pub use interest_points::{InterestPoint, interest_points, spread};
 pub use opponent::OpponentPlan;
 pub use option_fault::OptionFault;
 pub use signature::{Normalise, SignaturePlan, SignatureScratch, Taper};
 pub use smoothing::smoothed;
 pub use subwindow::{PolarGrid, PolarSubwindow};
 pub use symmetry::symmetry_map;
+pub use theta_spectrum::{KeptSpectrum, RelativeTurn, ThetaPlan, kept_spectrum, spectrum_length};

@@ -99,7 +99,7 @@ impl SignaturePlan {
     pub fn sign(&self, samples: &[f32], scratch: &mut SignatureScratch, signature: &mut [f32]) -> bool {
         assert_eq!(samples.len(), self.taper.len(), "rings × sectors samples");
         assert_eq!(signature.len(), self.length(), "rings × (sectors/2 + 1) amplitudes");
-        let Some((offset, scale)) = self.brightness(samples) else {
+        let Some((offset, scale)) = brightness(samples, self.normalise) else {
             signature.fill(0.0);
             return false;
         };
@@ -147,19 +147,18 @@ impl SignaturePlan {
         }
         visible
     }
+}
 
-    /// What is subtracted from the samples and what they are then multiplied by; `None` if there is
-    /// nothing to see.
-    fn brightness(&self, samples: &[f32]) -> Option<(f32, f32)> {
-        match self.normalise {
-            Normalise::Energy | Normalise::None => Some((0.0, 1.0)),
-            Normalise::Contrast => {
-                let count = samples.len() as f64;
-                let mean = samples.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
-                let square = samples.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>();
-                let deviation = (square / count).sqrt() as f32;
-                (deviation >= LEAST_DEVIATION).then(|| (mean as f32, 1.0 / deviation))
-            }
+/// What is subtracted from the samples and what they are then multiplied by; `None` if there is nothing to see.
+pub(super) fn brightness(samples: &[f32], normalise: Normalise) -> Option<(f32, f32)> {
+    match normalise {
+        Normalise::Energy | Normalise::None => Some((0.0, 1.0)),
+        Normalise::Contrast => {
+            let count = samples.len() as f64;
+            let mean = samples.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+            let square = samples.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>();
+            let deviation = (square / count).sqrt() as f32;
+            (deviation >= LEAST_DEVIATION).then(|| (mean as f32, 1.0 / deviation))
         }
     }
 }

@@ -16,8 +16,9 @@ pub fn smoothed(image: &Image, sigma_px: f32) -> Image {
     let (width, height, reach) = (image.width(), image.height(), kernel.len() - 1);
 
     let mut padded = vec![0.0; width + 2 * reach];
-    let columns: Vec<usize> =
-        (0..width + 2 * reach).map(|x| mirrored(x as isize - reach as isize, width)).collect();
+    let beside = (0..reach).chain(reach + width..width + 2 * reach);
+    let beside: Vec<(usize, usize)> =
+        beside.map(|x| (x, mirrored(x as isize - reach as isize, width))).collect();
     // the rows that a kernel reaches, smoothed along x: mirrored rows are among them
     let kept = 2 * reach + 1;
     let mut across = vec![0.0; kept * width];
@@ -26,8 +27,9 @@ pub fn smoothed(image: &Image, sigma_px: f32) -> Image {
     for (y, out) in both.chunks_exact_mut(width).enumerate() {
         while next < height.min(y + reach + 1) {
             let row = image.row(next);
-            for (value, &column) in padded.iter_mut().zip(&columns) {
-                *value = row[column];
+            padded[reach..reach + width].copy_from_slice(row);
+            for &(x, column) in &beside {
+                padded[x] = row[column];
             }
             let taps = (0..=reach).map(|k| (&padded[reach - k..], &padded[reach + k..]));
             let out = &mut across[next % kept * width..][..width];

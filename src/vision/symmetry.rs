@@ -7,29 +7,29 @@
 //!
 //! summed over half a disc of offsets; σ is half of the disc's radius. Outside the image r = 0.
 //!
-//! With q = √r and the vector h = √r·(cos θ, sin θ), both cosines become products:
+//! The product of the two brackets is a square. By halved angles it is 4 sin²((θᵢ + θⱼ)/2 − α) · sin²((θᵢ − θⱼ)/2),
+//! and that product of sines is half of a difference of cosines:
 //!
-//! > (qᵢqⱼ − (P cos 2α + Q sin 2α)) · (qᵢqⱼ − A),
-//! > P = hxᵢhxⱼ − hyᵢhyⱼ, Q = hxᵢhyⱼ + hyᵢhxⱼ, A = hxᵢhxⱼ + hyᵢhyⱼ
+//! > (cos(θᵢ − α) − cos(θⱼ − α))² = (d·(uᵢ − uⱼ))², u = (cos θ, sin θ), d = (cos α, sin α)
 //!
-//! so a pair costs no division and no trigonometry, and three planes hold all that is known of a pixel.
+//! so a pair costs a handful of operations and no trigonometry, three planes hold all that is known of a
+//! pixel, and no part of the sum is negative.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::gradient::GradientRows;
 use crate::imaging::Image;
 
-/// Pixels of a row taken at a time: with radius 6, three planes of 13 rows of 140 pixels are 22 kB, which
-/// stay in the first cache while all pairs pass over them.
-const TILE_PX: usize = 128;
+/// Pixels of a row whose sums are held in registers while all pairs pass over them: a quarter of AVX2's.
+const TILE_PX: usize = 64;
 
 /// Magnitudes below this have no direction.
 const LEAST_MAGNITUDE: f32 = 1e-6;
 
 /// How strongly edges face each other about each pixel, in a disc of `radius_px`; of the image's size.
 ///
-/// The image should be smoothed (σ = 1 px) before. Values are ≥ 0 up to rounding and grow with the
-/// logarithm of contrast.
+/// The image should be smoothed (σ = 1 px) before. Values are ≥ 0 and grow with the logarithm of
+/// contrast.
 pub fn symmetry_map(image: &Image, radius_px: usize) -> Image {
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
@@ -66,28 +66,34 @@ impl WithSimd for AllPairs<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let EdgeRows { strength, x, y, .. } = self.edges;
+        let strength = &self.edges.strength[..];
+        let (x, y) = (&self.edges.x[..strength.len()], &self.edges.y[..strength.len()]);
         for (tile, out) in self.out.chunks_mut(TILE_PX).enumerate() {
-            let (start, length) = (tile * TILE_PX, out.len());
+            let start = tile * TILE_PX;
+            let mut sums = [0.0; TILE_PX];
             for (pair, (i, j)) in self.pairs.iter().zip(self.places) {
-                let (i, j) = (start + i..start + i + length, start + j..start + j + length);
-                let from = [&strength[i.clone()], &x[i.clone()], &y[i]];
-                pair.add(from, [&strength[j.clone()], &x[j.clone()], &y[j]], out);
+                let from = [tile_at(strength, start + i), tile_at(x, start + i), tile_at(y, start + i)];
+                let to = [tile_at(strength, start + j), tile_at(x, start + j), tile_at(y, start + j)];
+                pair.add(from, to, &mut sums);
             }
+            out.copy_from_slice(&sums[..out.len()]);
         }
     }
 }
 
-/// Two pixels p − d and p + d, and what of their weight does not depend on the image.
+/// The tile's pixels from one on; after a row's end they are of no meaning.
+#[inline(always)]
+fn tile_at(plane: &[f32], start: usize) -> &[f32; TILE_PX] {
+    plane[start..].first_chunk().expect("planes have room for a whole tile after the last pixel")
+}
+
+/// Two pixels p − d and p + d, and what of their part does not depend on the image.
 struct Pair {
     dx: isize,
     dy: isize,
-    /// exp(−‖d‖/σ).
-    weight: f32,
-    /// cos 2α.
-    cos: f32,
-    /// sin 2α.
-    sin: f32,
+    /// (cos α, sin α)·√w of the weight w = exp(−‖d‖/σ).
+    along_x: f32,
+    along_y: f32,
 }
 
 /// One pair for each offset of half a disc, row by row.
@@ -100,37 +106,30 @@ fn pairs(radius_px: usize) -> Vec<Pair> {
         .filter(|&(dx, dy)| dx * dx + dy * dy <= radius * radius)
         .map(|(dx, dy)| {
             let (x, y) = (dx as f64, dy as f64);
-            let square = x * x + y * y;
-            Pair {
-                dx,
-                dy,
-                weight: (-square.sqrt() / sigma).exp() as f32,
-                cos: ((x * x - y * y) / square) as f32,
-                sin: (2.0 * x * y / square) as f32,
-            }
+            let distance = x.hypot(y);
+            let root = (-0.5 * distance / sigma).exp();
+            Pair { dx, dy, along_x: (root * x / distance) as f32, along_y: (root * y / distance) as f32 }
         })
         .collect()
 }
 
 impl Pair {
-    /// Add this pair's part to every pixel of a row, given the three planes along both lines of partners.
+    /// Add this pair's part to every pixel of a tile, given the three planes along both lines of partners.
     #[inline(always)]
-    fn add(&self, [qi, xi, yi]: [&[f32]; 3], [qj, xj, yj]: [&[f32]; 3], out: &mut [f32]) {
-        let length = out.len();
-        let (qi, xi, yi) = (&qi[..length], &xi[..length], &yi[..length]);
-        let (qj, xj, yj) = (&qj[..length], &xj[..length], &yj[..length]);
-        for p in 0..length {
-            let strength = qi[p] * qj[p];
-            let (xx, yy) = (xi[p] * xj[p], yi[p] * yj[p]);
-            let crossed = xi[p] * yj[p] + yi[p] * xj[p]; // Q
-            let mirrored = self.cos * (xx - yy) + self.sin * crossed; // A§4.2: cos(θi + θj − 2α)
-            let parallel = xx + yy; // A§4.2: cos(θi − θj)
-            out[p] += self.weight * ((strength - mirrored) * (strength - parallel));
+    fn add(
+        &self,
+        [ri, xi, yi]: [&[f32; TILE_PX]; 3],
+        [rj, xj, yj]: [&[f32; TILE_PX]; 3],
+        sums: &mut [f32; TILE_PX],
+    ) {
+        for p in 0..TILE_PX {
+            let facing = self.along_x * (xi[p] - xj[p]) + self.along_y * (yi[p] - yj[p]);
+            sums[p] += (facing * facing) * (ri[p] * rj[p]); // A§4.2
         }
     }
 }
 
-/// √r and √r·(cos θ, sin θ) of the rows that a disc reaches, with zeros outside the image.
+/// r and (cos θ, sin θ) of the rows that a disc reaches, with zeros outside the image.
 struct EdgeRows {
     radius_px: usize,
     stride: usize,
@@ -146,7 +145,7 @@ struct EdgeRows {
 impl EdgeRows {
     fn new(width: usize, radius_px: usize) -> EdgeRows {
         let stride = width + 2 * radius_px;
-        let ring = || vec![0.0; stride * (2 * radius_px + 1)];
+        let ring = || vec![0.0; stride * (2 * radius_px + 1) + TILE_PX];
         EdgeRows {
             radius_px,
             stride,
@@ -204,10 +203,9 @@ impl WithSimd for Root<'_> {
         for p in 0..width {
             let (gx, gy) = (from_x[p], from_y[p]);
             let magnitude = (gx * gx + gy * gy).sqrt();
-            let root = ln_1p(magnitude).sqrt(); // A§4.2: r = log(1 + ‖∇‖)
             let floor = if magnitude > LEAST_MAGNITUDE { magnitude } else { LEAST_MAGNITUDE };
-            let scale = root / floor;
-            strength[p] = root;
+            let scale = 1.0 / floor;
+            strength[p] = ln_1p(magnitude); // A§4.2: r = log(1 + ‖∇‖)
             x[p] = scale * gx;
             y[p] = scale * gy;
         }

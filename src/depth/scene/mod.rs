@@ -6,13 +6,12 @@
 //! follows from the scene's seed.
 
 mod point_spread;
-mod random;
 mod relief;
 mod spline;
 mod texture;
 
+use crate::imaging::Random;
 use point_spread::{Canvas, FINE, PointSpreads};
-use random::Random;
 pub use relief::Relief;
 pub use texture::Texture;
 

@@ -6,8 +6,8 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex32;
 
 use super::point_spread::FINE;
-use super::random::Random;
 use crate::imaging::Image;
+use crate::imaging::Random;
 
 /// What is painted on the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]

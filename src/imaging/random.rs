@@ -1,8 +1,8 @@
-//! Seeded numbers (SplitMix64): the same scene in every run, on every machine.
+//! Seeded numbers for drawn pictures (SplitMix64): the same in every run, on every machine.
 
 /// A generator of well-mixed numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
     /// The numbers of `seed` for one `purpose`.
