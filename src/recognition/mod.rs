@@ -1,6 +1,8 @@
 //! What is seen, and where: training and recognition as values in, values out.
 
+pub mod comparison;
 pub mod landmarks;
 pub mod objects;
 
 pub use crate::vision::OptionFault;
+pub use comparison::Comparison;

@@ -1,58 +1,154 @@
 //! A frame with its recognition drawn on it: what a person looks at to see why.
 
 use super::model::Landmarks;
-use super::vote::Recognition;
+use super::recognition::{Placed, PointVote, Recognition};
 use crate::imaging::{Frame, Overlay};
 
-/// Points that voted for the best label.
+/// Points that voted for the best label, and what is sure.
 const FOR_BEST: [u8; 3] = [64, 224, 96];
 /// Points that voted for another.
 const FOR_OTHERS: [u8; 3] = [240, 150, 40];
+/// The best placement where nothing is decided.
+const UNSURE: [u8; 3] = [150, 150, 160];
 const TEXT: [u8; 3] = [255, 255, 255];
 /// Lines of the list of votes.
 const LINES: usize = 3;
+/// Half the length of the cross in the middle of an outline.
+const CROSS_PX: f32 = 4.0;
 
-/// Draw a circle of the sub-window's radius around each point that voted, and the best votes as text.
+/// Draw a circle of the sub-window's radius around each point that voted, the outline and the middle of every exemplar
+/// that is in the frame for sure enough, and the best votes as text.
 ///
-/// Green points voted for the best label, orange ones for another.
+/// Green points voted for the best label, orange ones for another. The upper edge of an outline is drawn twice. Where
+/// nothing is decided the best placement stands in gray.
 pub fn annotate(frame: &Frame, recognition: &Recognition, model: &Landmarks) -> Overlay {
     let mut overlay = Overlay::on(frame);
-    let best = recognition.votes.first().map(|vote| vote.label.as_str());
-    let radius_px = model.options().subwindow_radius_px as f32;
-    for point in &recognition.points {
+    let best = recognition.votes.first();
+    let radius_px = model.options().subwindow_radii_px[0] as f32;
+    let places = best.is_some_and(|vote| vote.placement.is_some());
+    // placements have outlines to look at: with them only what counts is drawn
+    let counts = |point: &&PointVote| !places || point.weight > 0.0;
+    for point in recognition.points.iter().filter(counts) {
         let label = model.exemplars()[point.exemplar].label.as_str();
-        let colour = if Some(label) == best { FOR_BEST } else { FOR_OTHERS };
-        overlay.circle(point.x_px, point.y_px, radius_px, colour);
+        let is_best = best.is_some_and(|vote| vote.label == label);
+        overlay.circle(point.x_px, point.y_px, radius_px, if is_best { FOR_BEST } else { FOR_OTHERS });
     }
-    for (line, vote) in recognition.votes.iter().take(LINES).enumerate() {
-        let words = format!("{}  {:.0}%  {} points", vote.label, 100.0 * vote.share, vote.points);
+    let unsure = best.filter(|_| recognition.decision.is_none()).and_then(|vote| vote.placement.as_ref());
+    if let Some(placed) = unsure {
+        outline(&mut overlay, placed, model, UNSURE);
+    }
+    let uncalibrated = best.filter(|_| recognition.decision.is_some() && recognition.instances.is_empty());
+    if let Some(placed) = uncalibrated.and_then(|vote| vote.placement.as_ref()) {
+        outline(&mut overlay, placed, model, FOR_BEST);
+    }
+    for instance in &recognition.instances {
+        outline(&mut overlay, &instance.placed, model, FOR_BEST);
+        let words = format!("{} {:.2}", instance.label, instance.confidence);
+        let centre = &instance.placed.placement;
+        overlay.text(centre.x_px + CROSS_PX, centre.y_px + CROSS_PX, &words, FOR_BEST);
+    }
+    let decided = match &recognition.decision {
+        None => "nothing for sure".to_owned(),
+        Some(decision) => match decision.confidence {
+            Some(confidence) => format!("{}, confidence {confidence:.2}", decision.label),
+            None => decision.label.clone(),
+        },
+    };
+    let vote = |vote: &super::LabelVote| {
+        format!("{}  {:.0}%  {} points", vote.label, 100.0 * vote.share, vote.points)
+    };
+    let lines = std::iter::once(decided).chain(recognition.votes.iter().take(LINES).map(vote));
+    for (line, words) in lines.enumerate() {
         let top_px = overlay.line_height_px() * (line as f32 + 0.25);
         overlay.text(4.0, top_px, &words, TEXT);
     }
     overlay
 }
 
+/// The border of an exemplar's picture laid on the frame, and a cross in its middle.
+fn outline(overlay: &mut Overlay, placed: &Placed, model: &Landmarks, colour: [u8; 3]) {
+    let exemplar = &model.exemplars()[placed.exemplar];
+    let placement = &placed.placement;
+    let corners = placement.outline_px(exemplar.width_px, exemplar.height_px);
+    let mut line = |from: [f32; 2], to: [f32; 2]| overlay.line(from[0], from[1], to[0], to[1], colour);
+    for (k, &from) in corners.iter().enumerate() {
+        line(from, corners[(k + 1) % corners.len()]);
+    }
+    let (half_width, half_height) = (exemplar.width_px as f32 / 2.0, exemplar.height_px as f32 / 2.0);
+    let second = 2.0 / placement.scale - half_height;
+    line(placement.apply([-half_width, second]), placement.apply([half_width, second]));
+    let [x, y] = [placement.x_px, placement.y_px];
+    line([x - CROSS_PX, y], [x + CROSS_PX, y]);
+    line([x, y - CROSS_PX], [x, y + CROSS_PX]);
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::Placement;
+    use super::super::{
+        Decision, ExemplarName, Instance, LabelVote, LandmarkOptions, Method, Viewpoint, describe,
+    };
     use super::*;
     use crate::imaging::Image;
-    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, describe};
+
+    fn disc() -> Frame {
+        Frame::gray(Image::from_fn(80, 80, |x, y| {
+            let (dx, dy) = (x as f32 - 40.0, y as f32 - 44.0);
+            if dx * dx + dy * dy < 64.0 { 210.0 } else { 30.0 }
+        }))
+    }
+
+    fn model(options: &LandmarkOptions) -> Landmarks {
+        let name = ExemplarName { id: "1".into(), label: "disc".into() };
+        Landmarks::train(vec![describe(name, &disc(), options)], options).unwrap().0
+    }
+
+    fn drawn(recognition: &Recognition, model: &Landmarks) -> Frame {
+        let png = annotate(&disc(), recognition, model).into_png();
+        crate::imaging::decode(&png, &crate::imaging::DecodeLimits::default()).unwrap()
+    }
+
+    fn count(picture: &Frame, colour: [u8; 3]) -> usize {
+        picture.to_rgb8().chunks_exact(3).filter(|pixel| *pixel == colour).count()
+    }
 
     #[test]
     fn points_for_the_best_label_are_green() {
-        let image = Image::from_fn(80, 80, |x, y| {
-            let (dx, dy) = (x as f32 - 40.0, y as f32 - 44.0);
-            if dx * dx + dy * dy < 64.0 { 210.0 } else { 30.0 }
-        });
-        let frame = Frame::gray(image);
-        let options = LandmarkOptions::default();
-        let name = ExemplarName { id: "1".into(), label: "disc".into() };
-        let (model, _) = Landmarks::train(vec![describe(name, &frame, &options)], &options).unwrap();
-        let recognition = model.recognise(&frame, |_| ());
-        let png = annotate(&frame, &recognition, &model).into_png();
-        let limits = crate::imaging::DecodeLimits::default();
-        let drawn = crate::imaging::decode(&png, &limits).unwrap().to_rgb8();
-        assert!(drawn.chunks_exact(3).any(|pixel| pixel == FOR_BEST));
-        assert!(!drawn.chunks_exact(3).any(|pixel| pixel == FOR_OTHERS));
+        let model = model(&LandmarkOptions::of(Method::Paper, Viewpoint::Free));
+        let picture = drawn(&model.recognise(&disc(), |_| ()), &model);
+        assert!(count(&picture, FOR_BEST) > 0);
+        assert_eq!(count(&picture, FOR_OTHERS) + count(&picture, UNSURE), 0);
+    }
+
+    #[test]
+    fn the_outline_is_green_where_it_is_sure_and_gray_where_it_is_not() {
+        let model = model(&LandmarkOptions::default());
+        let placement = Placement { x_px: 39.5, y_px: 39.5, rotation_rad: 0.3, scale: 0.6 };
+        let placed = Placed { exemplar: 0, placement, inliers: 9, agreement: 0.8 };
+        let vote =
+            LabelVote { label: "disc".into(), weight: 1.0, share: 1.0, points: 9, placement: Some(placed) };
+        let unsure = Recognition {
+            decision: None,
+            points_found: 9,
+            points_used: 9,
+            votes: vec![vote],
+            instances: vec![],
+            points: vec![],
+            exemplar_weights: vec![1.0],
+            warnings: vec![],
+        };
+        // enlarged four times: four edges of 0.6 × 80 px, the upper one twice, and a cross
+        let expected = 4 * (5 * 48 + 16);
+        let about = |pixels: usize| (expected * 8 / 10..expected * 11 / 10).contains(&pixels);
+        let picture = drawn(&unsure, &model);
+        assert!(about(count(&picture, UNSURE)) && count(&picture, FOR_BEST) == 0);
+        let confidence = 0.9;
+        let sure = Recognition {
+            decision: Some(Decision { label: "disc".into(), confidence: Some(confidence) }),
+            instances: vec![Instance { label: "disc".into(), confidence, placed }],
+            ..unsure
+        };
+        let picture = drawn(&sure, &model);
+        assert!(count(&picture, FOR_BEST) > expected * 8 / 10 && count(&picture, UNSURE) == 0);
     }
 }

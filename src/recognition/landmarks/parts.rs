@@ -4,16 +4,22 @@
 
 use thiserror::Error;
 
-use super::description::Describer;
+use super::confidence::Confidence;
+use super::contour::ContourPoint;
+use super::description::{Describer, Window};
 use super::model::{Exemplar, Landmarks, Owned};
 use super::options::{Colour, LandmarkOptions};
+use super::prior::{coordinates, with_places, without_places};
 use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
 use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
+use crate::vision::theta_spectrum::FREQUENCIES;
 
 /// No number of a trained database is larger: signatures have lengths about 1, and pictures fewer pixels
 /// a side. Squares and sums of such numbers stay finite.
 const LARGEST: f32 = 1e6;
+/// No exemplar has more contour points.
+const LONGEST_CONTOUR: usize = 4096;
 
 /// All that a trained landmark database is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +40,12 @@ pub struct LandmarkParts {
     pub eigenpoints: Vec<f32>,
     /// n × 3: x, y, salience of the interest point of each eigenpoint.
     pub points: Vec<f32>,
+    /// n: which of the options' radii the window of each eigenpoint has.
+    pub radius: Vec<u8>,
+    /// n × rings × 24 if the options ask for spectra, else none.
+    pub spectra: Vec<i8>,
+    /// How sure answers are, if that was rehearsed.
+    pub confidence: Option<Confidence>,
     /// n: index of the exemplar of each eigenpoint, ascending.
     pub owner: Vec<u32>,
 }
@@ -69,8 +81,15 @@ impl Landmarks {
             basis: self.eigenspace.basis.clone(),
             eigenvalues: self.eigenspace.eigenvalues.clone(),
             total_variance: self.eigenspace.total_variance,
-            eigenpoints: self.index.points().to_vec(),
-            points: self.owned.iter().flat_map(|o| [o.point.x_px, o.point.y_px, o.point.salience]).collect(),
+            eigenpoints: without_places(
+                self.index.points(),
+                self.dimension(),
+                self.options.position_prior_px,
+            ),
+            points: self.owned.iter().flat_map(|o| point(&o.window.point)).collect(),
+            radius: self.owned.iter().map(|o| o.window.radius).collect(),
+            spectra: self.spectra.clone(),
+            confidence: self.confidence,
             owner: self.owned.iter().map(|o| o.exemplar).collect(),
         }
     }
@@ -82,24 +101,38 @@ impl Landmarks {
         let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
         eigenspace.check_basis().map_err(|source| PartsError::Eigenspace { source })?;
         let dimension = eigenspace.dimension();
-        let owned = parts
-            .points
-            .chunks_exact(3)
-            .zip(&parts.owner)
-            .map(|(p, &exemplar)| Owned {
-                point: InterestPoint { x_px: p[0], y_px: p[1], salience: p[2] },
-                exemplar,
-            })
-            .collect();
+        let rows = parts.points.chunks_exact(3).zip(parts.radius).zip(&parts.owner);
+        let owned = rows.map(|((p, radius), &exemplar)| {
+            let point = InterestPoint { x_px: p[0], y_px: p[1], salience: p[2] };
+            Owned { window: Window { point, radius }, exemplar }
+        });
+        let owned: Vec<Owned> = owned.collect();
+        let (prior, windows) = (options.position_prior_px, owned.iter().map(|owned| owned.window));
+        let rows = with_places(parts.eigenpoints, dimension, windows, prior);
+        let describer = Describer::new(&options);
         Ok(Landmarks {
-            describer: Describer::new(&options),
+            spectrum_lengths: spectrum_lengths(&parts.spectra, &describer),
+            describer,
             options,
             exemplars,
             eigenspace,
-            index: EigenpointIndex::new(parts.eigenpoints, dimension),
+            index: EigenpointIndex::new(rows, coordinates(dimension, prior)),
             owned,
+            spectra: parts.spectra,
+            confidence: parts.confidence,
         })
     }
+}
+
+fn point(point: &InterestPoint) -> [f32; 3] {
+    [point.x_px, point.y_px, point.salience]
+}
+
+/// The length of every kept spectrum.
+pub(super) fn spectrum_lengths(spectra: &[i8], describer: &Describer) -> Vec<f32> {
+    let Some(plan) = describer.turns() else { return Vec::new() };
+    let length = |row: &[i8]| row.iter().map(|&v| f32::from(v).powi(2)).sum::<f32>().sqrt();
+    spectra.chunks_exact(plan.length()).map(length).collect()
 }
 
 impl LandmarkParts {
@@ -130,6 +163,26 @@ impl LandmarkParts {
         length("basis", dimension * signature_length, self.basis.len())?;
         length("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len())?;
         length("points", points.saturating_mul(3), self.points.len())?;
+        length("radius", points, self.radius.len())?;
+        let spectrum = if self.options.places() { self.options.rings * 2 * FREQUENCIES } else { 0 };
+        length("spectra", points.saturating_mul(spectrum), self.spectra.len())?;
+        if !self.radius.iter().all(|&radius| usize::from(radius) < self.options.subwindow_radii_px.len()) {
+            return Err(PartsError::Number { part: "radius" });
+        }
+        let contours = self.exemplars.iter().flat_map(|e| &e.contour);
+        let within = |p: &ContourPoint| {
+            [p.x_px, p.y_px, p.gradient_x, p.gradient_y].iter().all(|v| v.abs() <= LARGEST)
+        };
+        if !contours.into_iter().all(within) {
+            return Err(PartsError::Number { part: "contours" });
+        }
+        if let Some(confidence) = &self.confidence {
+            let sound = |v: &f64| v.abs() <= f64::from(LARGEST);
+            let weights = confidence.weights.iter().all(|v| *v >= 0.0 && sound(v));
+            if !weights || !sound(&confidence.bias) || !(0.0..=1.0).contains(&confidence.threshold) {
+                return Err(PartsError::Number { part: "confidence" });
+            }
+        }
 
         let vectors: [(&'static str, &[f32]); 4] = [
             ("mean", &self.mean),
@@ -156,13 +209,25 @@ impl LandmarkParts {
         if !self.exemplars.is_sorted_by(|a, b| (&a.label, &a.id) < (&b.label, &b.id)) {
             return Err(PartsError::Order { part: "exemplars" });
         }
+        let mut ids: Vec<&str> = self.exemplars.iter().map(|e| e.id.as_str()).collect();
+        ids.sort_unstable();
+        if ids.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(PartsError::Order { part: "exemplars" });
+        }
+        let pictured = |e: &Exemplar| {
+            [e.width_px, e.height_px].iter().all(|side| *side as f32 <= LARGEST)
+                && e.contour.len() <= LONGEST_CONTOUR
+        };
+        if !self.exemplars.iter().all(pictured) {
+            return Err(PartsError::Number { part: "exemplars" });
+        }
         if !self.owner.is_sorted() {
             return Err(PartsError::Order { part: "owner" });
         }
         let mut left = &self.owner[..];
         for (exemplar, e) in self.exemplars.iter().enumerate() {
             let own = left.partition_point(|&owner| owner as usize <= exemplar);
-            if own != e.points {
+            if own != e.windows {
                 return Err(PartsError::Count { exemplar });
             }
             left = &left[own..];
@@ -176,12 +241,12 @@ impl LandmarkParts {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{described, toy};
+    use super::super::pictures::{described, paper, toy};
     use super::*;
     use crate::imaging::Frame;
 
     fn parts() -> LandmarkParts {
-        let options = LandmarkOptions { dimension: 8, ..LandmarkOptions::default() };
+        let options = LandmarkOptions { dimension: 8, ..paper() };
         Landmarks::train(described(0..4, &options), &options).unwrap().0.to_parts()
     }
 
@@ -190,10 +255,38 @@ mod tests {
         let parts = parts();
         let rebuilt = Landmarks::from_parts(parts.clone()).unwrap();
         assert_eq!(rebuilt.to_parts(), parts);
-        let options = LandmarkOptions { dimension: 8, ..LandmarkOptions::default() };
+        let options = LandmarkOptions { dimension: 8, ..paper() };
         let (trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
         let frame = Frame::gray(toy(2, 96)).turned(70.0);
         assert_eq!(rebuilt.recognise(&frame, |_| ()), trained.recognise(&frame, |_| ()));
+    }
+
+    #[test]
+    fn a_rebuilt_placement_database_answers_the_same_and_its_damage_is_refused() {
+        let options = LandmarkOptions::default();
+        let (mut trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
+        trained.confidence = Some(Confidence { weights: [2.0, 5.0, 0.0, 1.0], bias: -8.0, threshold: 0.6 });
+        let parts = trained.to_parts();
+        let rebuilt = Landmarks::from_parts(parts.clone()).unwrap();
+        assert_eq!(rebuilt.to_parts(), parts);
+        assert_eq!(rebuilt.bytes(), trained.bytes());
+        let frame = Frame::gray(toy(2, 96)).turned(70.0);
+        assert_eq!(rebuilt.recognise(&frame, |_| ()), trained.recognise(&frame, |_| ()));
+        let damages: [fn(&mut LandmarkParts); 8] = [
+            |p| p.spectra.truncate(p.spectra.len() - 1),
+            |p| p.spectra.clear(),
+            |p| p.radius[0] = 2,
+            |p| p.radius.truncate(p.radius.len() - 1),
+            |p| p.exemplars[1].contour[0].x_px = f32::NAN,
+            |p| p.confidence.as_mut().unwrap().weights[1] = -1.0,
+            |p| p.confidence.as_mut().unwrap().bias = f64::NAN,
+            |p| p.confidence.as_mut().unwrap().threshold = 1.5,
+        ];
+        for (number, damage) in damages.into_iter().enumerate() {
+            let mut parts = parts.clone();
+            damage(&mut parts);
+            assert!(Landmarks::from_parts(parts).is_err(), "damage {number} went through");
+        }
     }
 
     #[test]
@@ -209,8 +302,8 @@ mod tests {
             ("exemplar lost", |p| p.exemplars.truncate(p.exemplars.len() - 1)),
             ("exemplars swapped", |p| p.exemplars.swap(0, 1)),
             ("exemplar twice", |p| p.exemplars[1] = p.exemplars[0].clone()),
-            ("count", |p| p.exemplars[2].points += 1),
-            ("count beyond all", |p| p.exemplars[3].points = usize::MAX),
+            ("count", |p| p.exemplars[2].windows += 1),
+            ("count beyond all", |p| p.exemplars[3].windows = usize::MAX),
             ("mean cut", |p| p.mean.truncate(p.mean.len() - 1)),
             ("mean NaN", |p| p.mean[0] = f32::NAN),
             ("basis cut", |p| p.basis.truncate(p.basis.len() - 1)),

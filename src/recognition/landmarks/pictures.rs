@@ -1,6 +1,6 @@
 //! Drawn pictures for the tests: each seed gives another arrangement of discs and bars.
 
-use super::{DescribedExemplar, ExemplarName, LandmarkOptions, describe};
+use super::{DescribedExemplar, ExemplarName, LandmarkOptions, Method, Viewpoint, describe};
 use crate::imaging::{Frame, Image};
 
 /// A square toy of `side_px`, dark at its border, with some thirty bright shapes within a disc.
@@ -33,6 +33,11 @@ pub fn toy(seed: u64, side_px: usize) -> Image {
 pub fn quarter_turned(image: &Image) -> Image {
     let (width, height) = (image.width(), image.height());
     Image::from_fn(height, width, |x, y| image.at(y, height - 1 - x))
+}
+
+/// The paper's own options.
+pub fn paper() -> LandmarkOptions {
+    LandmarkOptions::of(Method::Paper, Viewpoint::Free)
 }
 
 pub fn name(id: &str, label: &str) -> ExemplarName {

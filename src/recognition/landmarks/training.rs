@@ -5,6 +5,8 @@ use thiserror::Error;
 use super::description::{DescribedExemplar, Describer};
 use super::model::{Exemplar, Landmarks, Owned};
 use super::options::{Colour, LandmarkOptions};
+use super::parts::spectrum_lengths;
+use super::prior::{coordinates, with_places};
 use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
 use crate::recognition::OptionFault;
 
@@ -72,7 +74,7 @@ impl Landmarks {
         };
         let fits = |e: &DescribedExemplar| {
             let colour = options.with_colour_if_auto(e.colour).colour == Colour::Opponent;
-            colour == e.colour && e.signatures.len() == e.points.len() * described_length(e)
+            colour == e.colour && e.signatures.len() == e.windows.len() * described_length(e)
         };
         if let Some(other) = exemplars.iter().find(|e| !fits(e)) {
             return Err(TrainingError::OtherOptions { id: other.name.id.clone() });
@@ -87,14 +89,18 @@ impl Landmarks {
         }
         let (eigenspace, spectrum) = Eigenspace::fit(&signatures, length, options.dimension) // A§4.1
             .map_err(|source| TrainingError::Eigenspace { source })?;
-        let index = EigenpointIndex::new(eigenspace.project(&signatures), eigenspace.dimension());
+        let (dimension, prior) = (eigenspace.dimension(), options.position_prior_px);
+        let windows = exemplars.iter().flat_map(|exemplar| exemplar.windows.iter().copied());
+        let rows = with_places(eigenspace.project(&signatures), dimension, windows, prior);
+        let index = EigenpointIndex::new(rows, coordinates(dimension, prior));
 
         let owned = exemplars.iter().enumerate().flat_map(|(owner, exemplar)| {
-            exemplar.points.iter().map(move |&point| Owned { point, exemplar: owner as u32 })
+            exemplar.windows.iter().map(move |&window| Owned { window, exemplar: owner as u32 })
         });
         let owned: Vec<Owned> = owned.collect();
         let exemplars_without_points =
-            exemplars.iter().filter(|e| e.points.is_empty()).map(|e| e.name.id.clone()).collect();
+            exemplars.iter().filter(|e| e.windows.is_empty()).map(|e| e.name.id.clone()).collect();
+        let spectra: Vec<i8> = exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect();
         let exemplars: Vec<Exemplar> = exemplars
             .into_iter()
             .map(|e| Exemplar {
@@ -102,11 +108,22 @@ impl Landmarks {
                 label: e.name.label,
                 width_px: e.width_px as u32,
                 height_px: e.height_px as u32,
-                points: e.points.len(),
+                windows: e.windows.len(),
+                contour: e.contour,
             })
             .collect();
-        let model =
-            Landmarks { describer: Describer::new(&options), options, exemplars, eigenspace, index, owned };
+        let describer = Describer::new(&options);
+        let model = Landmarks {
+            options,
+            exemplars,
+            eigenspace,
+            index,
+            owned,
+            spectrum_lengths: spectrum_lengths(&spectra, &describer),
+            describer,
+            spectra,
+            confidence: None,
+        };
         let report = TrainingReport {
             energy_kept: model.eigenspace.eigenvalues.iter().sum::<f64>() / model.eigenspace.total_variance,
             spectrum,
@@ -115,7 +132,7 @@ impl Landmarks {
             colour: model.options.colour,
             exemplars: model.exemplars.len(),
             labels: model.labels().len(),
-            interest_points: model.owned.len(),
+            interest_points: model.owned.len() / model.options.subwindow_radii_px.len(),
             exemplars_without_points,
         };
         Ok((model, report))
@@ -124,15 +141,16 @@ impl Landmarks {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Window;
     use super::super::describe;
-    use super::super::pictures::{described, name, toy};
+    use super::super::pictures::{described, name, paper, toy};
     use super::*;
     use crate::imaging::{Frame, Image};
     use crate::vision::InterestPoint;
 
     #[test]
     fn the_order_of_exemplars_changes_nothing() {
-        let options = LandmarkOptions::default();
+        let options = paper();
         let exemplars = described(0..6, &options);
         let mut shuffled = exemplars.clone();
         shuffled.reverse();
@@ -145,11 +163,11 @@ mod tests {
 
     #[test]
     fn the_report_counts_what_was_seen() {
-        let options = LandmarkOptions::default();
+        let options = paper();
         let mut exemplars = described(0..4, &options);
         let flat = Frame::gray(Image::from_fn(50, 40, |_, _| 90.0));
         exemplars.push(describe(name("wall", "toy0"), &flat, &options));
-        let points: usize = exemplars.iter().map(|e| e.points.len()).sum();
+        let points: usize = exemplars.iter().map(|e| e.windows.len()).sum(); // one radius
         let (model, report) = Landmarks::train(exemplars, &options).unwrap();
         assert_eq!((report.exemplars, report.labels, report.interest_points), (5, 4, points));
         assert_eq!(report.exemplars_without_points, ["wall"]);
@@ -162,7 +180,7 @@ mod tests {
 
     #[test]
     fn what_can_not_be_trained_says_why() {
-        let options = LandmarkOptions::default();
+        let options = paper();
         let fail = |exemplars, options: &LandmarkOptions| Landmarks::train(exemplars, options).err().unwrap();
         assert_eq!(fail(vec![], &options), TrainingError::NoExemplars);
         let flat = describe(name("a", "a"), &Frame::gray(Image::from_fn(50, 40, |_, _| 90.0)), &options);
@@ -183,7 +201,7 @@ mod tests {
 
     #[test]
     fn colour_is_used_if_every_exemplar_has_it() {
-        let options = LandmarkOptions::default();
+        let options = paper();
         let colourful = |seed| {
             let frame = Frame::colour([toy(seed, 64), toy(seed + 50, 64), toy(seed + 90, 64)]);
             describe(name(&format!("c{seed}"), "c"), &frame, &options)
@@ -198,16 +216,18 @@ mod tests {
 
     #[test]
     fn ten_thousand_identical_windows_and_one_other_can_be_trained() {
-        let options = LandmarkOptions::default();
+        let options = paper();
         let length = options.signature_length();
         let point = InterestPoint { x_px: 1.0, y_px: 1.0, salience: 1.0 };
         let exemplar = |id: &str, signatures: Vec<f32>| DescribedExemplar {
             name: name(id, id),
             width_px: 9,
             height_px: 9,
-            points: vec![point; signatures.len() / length],
+            windows: vec![Window { point, radius: 0 }; signatures.len() / length],
             colour: false,
             signatures,
+            spectra: vec![],
+            contour: vec![],
         };
         let window = |k: usize| (0..length).map(|i| if i == k { 1.0 } else { 0.0 }).collect::<Vec<f32>>();
         let same = exemplar("same", window(0).repeat(10_000));

@@ -5,60 +5,15 @@
 
 use super::model::Exemplar;
 use super::options::{LandmarkOptions, PerLabel};
-use super::warning::Warning;
+use super::recognition::{LabelVote, PointVote};
 use crate::vision::InterestPoint;
 
-/// What a frame was taken for, and why.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recognition {
-    /// Interest points in the frame.
-    pub points_found: usize,
-    /// The strongest of them, that voted; those with nothing to see about them are passed over.
-    pub points_used: usize,
-    /// Labels with W > 0, best first.
-    pub votes: Vec<LabelVote>,
-    /// What each point said, strongest point first.
-    pub points: Vec<PointVote>,
-    /// Doubts.
-    pub warnings: Vec<Warning>,
-}
-
-/// The vote for one label.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LabelVote {
-    /// What was voted for.
-    pub label: String,
-    /// W: the weights of its points, added up in their order, exactly.
-    pub weight: f64,
-    /// Its part of the W of all labels, 0..=1.
-    pub share: f64,
-    /// How many points voted for it with a weight above 0.
-    pub points: usize,
-}
-
-/// The vote of one interest point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointVote {
-    /// Where it is.
-    pub x_px: f32,
-    /// Where it is.
-    pub y_px: f32,
-    /// How strongly it drew attention.
-    pub salience: f32,
-    /// Whose eigenpoint is nearest: index into the model's exemplars.
-    pub exemplar: usize,
-    /// D.
-    pub distance: f64,
-    /// 1/(D + ε); 0 where only the best exemplar of a label counts and this is another.
-    pub weight: f64,
-}
-
-/// Count the votes of (point, exemplar, distance) in their order.
+/// Count the votes of (point, exemplar, distance) in their order: for labels, by points, for exemplars.
 pub(super) fn vote(
     matches: impl Iterator<Item = (InterestPoint, usize, f64)>,
     exemplars: &[Exemplar],
     options: &LandmarkOptions,
-) -> (Vec<LabelVote>, Vec<PointVote>) {
+) -> (Vec<LabelVote>, Vec<PointVote>, Vec<f64>) {
     let mut points: Vec<PointVote> = matches
         .map(|(InterestPoint { x_px, y_px, salience }, exemplar, distance)| PointVote {
             x_px,
@@ -70,18 +25,14 @@ pub(super) fn vote(
         })
         .collect();
 
-    // the labels stand in runs, as the exemplars are sorted by them
-    let runs: Vec<&[Exemplar]> = exemplars.chunk_by(|a, b| a.label == b.label).collect();
-    let run_of: Vec<usize> =
-        runs.iter().enumerate().flat_map(|(run, members)| members.iter().map(move |_| run)).collect();
-
+    let mut exemplar_weights = vec![0.0; exemplars.len()];
+    points.iter().for_each(|p| exemplar_weights[p.exemplar] += p.weight);
     if options.per_label == PerLabel::Best {
-        let mut weights = vec![0.0; exemplars.len()];
-        points.iter().for_each(|p| weights[p.exemplar] += p.weight);
-        let mut best: Vec<Option<usize>> = vec![None; runs.len()];
-        for (exemplar, &weight) in weights.iter().enumerate() {
+        let run_of = run_of(exemplars);
+        let mut best: Vec<Option<usize>> = vec![None; run_of.last().map_or(0, |last| last + 1)];
+        for (exemplar, &weight) in exemplar_weights.iter().enumerate() {
             let best = &mut best[run_of[exemplar]];
-            if best.is_none_or(|b| weight > weights[b]) {
+            if best.is_none_or(|b| weight > exemplar_weights[b]) {
                 *best = Some(exemplar);
             }
         }
@@ -91,33 +42,46 @@ pub(super) fn vote(
             }
         }
     }
+    (label_votes(&points, exemplars), points, exemplar_weights)
+}
 
-    let mut totals = vec![(0.0, 0); runs.len()];
-    for point in &points {
+/// The labels with W > 0 by what the points gave, best first.
+pub(super) fn label_votes(points: &[PointVote], exemplars: &[Exemplar]) -> Vec<LabelVote> {
+    let run_of = run_of(exemplars);
+    let mut totals = vec![(0.0, 0); run_of.last().map_or(0, |last| last + 1)];
+    for point in points {
         let (weight, count) = &mut totals[run_of[point.exemplar]];
         *weight += point.weight;
         *count += usize::from(point.weight > 0.0);
     }
     let all: f64 = totals.iter().map(|(weight, _)| weight).sum();
-    let mut votes: Vec<LabelVote> = runs
-        .iter()
+    let labels = exemplars.chunk_by(|a, b| a.label == b.label).map(|run| &run[0].label);
+    let mut votes: Vec<LabelVote> = labels
         .zip(totals)
         .filter(|(_, (weight, _))| *weight > 0.0)
-        .map(|(members, (weight, points))| LabelVote {
-            label: members[0].label.clone(),
+        .map(|(label, (weight, points))| LabelVote {
+            label: label.clone(),
             weight,
             share: weight / all,
             points,
+            placement: None,
         })
         .collect();
     votes.sort_by(|a, b| b.weight.total_cmp(&a.weight)); // stable: equal ones stay in the order of labels
-    (votes, points)
+    votes
+}
+
+/// The number of each exemplar's label: the labels stand in runs, as the exemplars are sorted by them.
+fn run_of(exemplars: &[Exemplar]) -> Vec<usize> {
+    let runs = exemplars.chunk_by(|a, b| a.label == b.label);
+    runs.enumerate().flat_map(|(run, members)| members.iter().map(move |_| run)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::pictures::paper;
     use super::*;
 
     fn exemplars(labels: &[&str]) -> Vec<Exemplar> {
@@ -126,7 +90,8 @@ mod tests {
             label: (*label).to_owned(),
             width_px: 1,
             height_px: 1,
-            points: 1,
+            windows: 1,
+            contour: Vec::new(),
         };
         labels.iter().enumerate().map(exemplar).collect()
     }
@@ -135,8 +100,8 @@ mod tests {
         labels: &[&str],
         matches: &[(usize, f64)],
         per_label: PerLabel,
-    ) -> (Vec<LabelVote>, Vec<PointVote>) {
-        let options = LandmarkOptions { per_label, epsilon: 0.5, ..LandmarkOptions::default() };
+    ) -> (Vec<LabelVote>, Vec<PointVote>, Vec<f64>) {
+        let options = LandmarkOptions { per_label, epsilon: 0.5, ..paper() };
         let point = InterestPoint { x_px: 0.0, y_px: 0.0, salience: 1.0 };
         vote(
             matches.iter().map(|&(exemplar, distance)| (point, exemplar, distance)),
@@ -153,26 +118,28 @@ mod tests {
     fn a_point_gives_one_over_distance_plus_epsilon() {
         // 1/(0.5 + 0.5) = 1, 1/(1.5 + 0.5) = 0.5, 1/(3.5 + 0.5) = 0.25
         let matches = [(0, 0.5), (1, 1.5), (1, 3.5), (2, 3.5)];
-        let (votes, points) = counted(&["a", "b", "b"], &matches, PerLabel::Sum);
+        let (votes, points, weights) = counted(&["a", "b", "b"], &matches, PerLabel::Sum);
+        assert_eq!(weights, [1.0, 0.75, 0.25]);
         assert_eq!(told(&votes), [("a", 1.0, 1), ("b", 1.0, 3)]);
         assert_eq!(votes[0].share, 0.5);
         assert_eq!(points.iter().map(|p| p.weight).collect::<Vec<_>>(), [1.0, 0.5, 0.25, 0.25]);
-        let (votes, points) = counted(&["a", "b", "b"], &matches, PerLabel::Best);
+        let (votes, points, weights) = counted(&["a", "b", "b"], &matches, PerLabel::Best);
+        assert_eq!(weights, [1.0, 0.75, 0.25]);
         assert_eq!(told(&votes), [("a", 1.0, 1), ("b", 0.75, 2)]);
         assert_eq!(points[3].weight, 0.0);
     }
 
     #[test]
     fn of_equal_exemplars_the_earlier_counts() {
-        let (votes, points) = counted(&["a", "a"], &[(1, 0.5), (0, 0.5)], PerLabel::Best);
+        let (votes, points, _) = counted(&["a", "a"], &[(1, 0.5), (0, 0.5)], PerLabel::Best);
         assert_eq!(told(&votes), [("a", 1.0, 1)]);
         assert_eq!((points[0].weight, points[1].weight), (0.0, 1.0));
     }
 
     #[test]
     fn nobody_votes_for_nothing() {
-        assert_eq!(counted(&["a"], &[], PerLabel::Best), (vec![], vec![]));
-        let (votes, _) = counted(&["a", "b"], &[(1, f64::INFINITY), (0, 1.0)], PerLabel::Sum);
+        assert_eq!(counted(&["a"], &[], PerLabel::Best), (vec![], vec![], vec![0.0]));
+        let (votes, ..) = counted(&["a", "b"], &[(1, f64::INFINITY), (0, 1.0)], PerLabel::Sum);
         assert_eq!(votes.len(), 1);
     }
 
@@ -184,11 +151,15 @@ mod tests {
         ) {
             let labels = ["a", "a", "a", "b", "c", "c", "d", "d", "d", "d", "e", "f"];
             let per_label = if sum { PerLabel::Sum } else { PerLabel::Best };
-            let (votes, points) = counted(&labels, &matches, per_label);
+            let (votes, points, weights) = counted(&labels, &matches, per_label);
             for vote in &votes {
                 let of_label = points.iter().filter(|p| labels[p.exemplar] == vote.label);
                 prop_assert_eq!(of_label.clone().map(|p| p.weight).sum::<f64>(), vote.weight);
                 prop_assert_eq!(of_label.filter(|p| p.weight > 0.0).count(), vote.points);
+            }
+            for vote in votes.iter().filter(|_| !sum) {
+                let of_label = labels.iter().zip(&weights).filter(|(label, _)| **label == vote.label);
+                prop_assert_eq!(of_label.map(|(_, w)| *w).fold(0.0, f64::max), vote.weight);
             }
             prop_assert!(votes.is_sorted_by(|a, b| a.weight >= b.weight));
             let shares: f64 = votes.iter().map(|v| v.share).sum();

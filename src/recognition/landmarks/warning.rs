@@ -11,7 +11,11 @@ pub enum Warning {
     /// Nothing in the frame drew attention, or nothing was to be seen where it did.
     NoInterestPoints,
     /// Fewer than eight interest points voted, though more were asked for.
-    FewInterestPoints { found: usize },
+    TooFewPoints { found: usize },
+    /// Nothing was decided, and fewer than half of the points that were asked voted for the best label.
+    VotesOnBackground { voted: usize, used: usize },
+    /// Another label has nearly the same evidence.
+    CloseSecond,
     /// The database was trained with colour and the frame has none.
     GrayFrame,
 }
@@ -21,7 +25,9 @@ impl Warning {
     pub fn code(&self) -> &'static str {
         match self {
             Warning::NoInterestPoints => "no_interest_points",
-            Warning::FewInterestPoints { .. } => "few_interest_points",
+            Warning::TooFewPoints { .. } => "too_few_points",
+            Warning::VotesOnBackground { .. } => "votes_on_background",
+            Warning::CloseSecond => "close_second",
             Warning::GrayFrame => "gray_frame",
         }
     }
@@ -33,11 +39,21 @@ impl fmt::Display for Warning {
             Warning::NoInterestPoints => {
                 write!(f, "no interest points were found: the frame is flat, dark or out of focus")
             }
-            Warning::FewInterestPoints { found } => {
+            Warning::TooFewPoints { found } => {
                 write!(
                     f,
                     "only {found} interest points were found; fewer than {FEW_POINTS} make an unsure vote"
                 )
+            }
+            Warning::VotesOnBackground { voted, used } => {
+                write!(
+                    f,
+                    "only {voted} of {used} points speak for the best label: most lie on the background, or on \
+                     something that the database doesn't know"
+                )
+            }
+            Warning::CloseSecond => {
+                write!(f, "another label has nearly the same evidence: see the votes")
             }
             Warning::GrayFrame => {
                 write!(f, "the frame is gray, but the database was trained with colour: signatures differ")
