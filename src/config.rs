@@ -87,6 +87,12 @@ pub struct Limits {
     pub max_batch_bytes: u64,
     /// Largest version artifact taken by `POST …/versions`.
     pub max_artifact_bytes: u64,
+    /// Most tracks that are live at once: more robots than one process serves.
+    pub max_tracks: usize,
+    /// What all live tracks may hold: one along a path of 2000 exemplars takes 0.35 MB, so 700 of them.
+    pub max_tracks_bytes: u64,
+    /// A track without a frame for this long is gone.
+    pub track_idle: Duration,
     /// 64 frames at 15 ms are one second of waiting: longer than a robot would want.
     pub waiting_per_thread: usize,
     /// Longest time one request may take.
@@ -109,6 +115,9 @@ impl Default for Limits {
             max_batch_parts: 1000,
             max_batch_bytes: 512 << 20,
             max_artifact_bytes: 512 << 20,
+            max_tracks: 1024,
+            max_tracks_bytes: 256 << 20,
+            track_idle: Duration::from_secs(600),
             waiting_per_thread: 64,
             request_timeout: Duration::from_secs(60),
             header_timeout: Duration::from_secs(10),

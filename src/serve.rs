@@ -18,7 +18,7 @@ use crate::compute::{Compute, ComputeError};
 use crate::config::Settings;
 use crate::database::Databases;
 use crate::http::body::BodyBudget;
-use crate::http::{self, Estimators, Service};
+use crate::http::{self, Estimators, Service, Tracks};
 use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
 use crate::store::{CatalogueError, Folder, OpenFolderError, open_folder};
@@ -105,6 +105,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         jobs,
         compute,
         metrics,
+        tracks: Tracks::new(&limits),
         limits,
         bodies,
         decode,

@@ -57,6 +57,9 @@ pub struct Metrics {
     /// Loaded versions and the bytes that they hold.
     pub versions_loaded: IntGauge,
     pub versions_loaded_bytes: IntGauge,
+    /// Live tracks and the bytes that they hold.
+    pub tracks: IntGauge,
+    pub tracks_bytes: IntGauge,
     /// Jobs by state, as the catalogue has them.
     pub jobs: IntGaugeVec,
     training_seconds: Histogram,
@@ -164,6 +167,11 @@ impl Metrics {
             versions_loaded_bytes: register(
                 &registry,
                 IntGauge::new("landmarkd_versions_loaded_bytes", "Memory of the loaded versions"),
+            ),
+            tracks: register(&registry, IntGauge::new("landmarkd_tracks", "Live tracks")),
+            tracks_bytes: register(
+                &registry,
+                IntGauge::new("landmarkd_tracks_bytes", "Memory of the live tracks"),
             ),
             jobs: register(
                 &registry,

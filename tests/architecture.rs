@@ -57,7 +57,7 @@ const DOORS: [(&str, &[&str]); 30] = [
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
     ("kiddo", &["eigen"]),
-    ("pulp", &["vision", "eigen", "depth"]),
+    ("pulp", &["vision", "eigen", "recognition", "depth"]),
     ("sqlx", &["store"]),
     ("object_store", &["store"]),
     ("blake3", &["store"]),

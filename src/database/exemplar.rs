@@ -130,6 +130,13 @@ impl Databases {
         Ok(self.catalogue.exemplars(database.as_str(), filter, after, limit).await?)
     }
 
+    /// The ids of all exemplars, in the order in which they came.
+    pub async fn exemplars_by_arrival(&self, database: &Name) -> Result<Vec<Uuid>, DatabaseError> {
+        let mut rows = self.catalogue.training_set(database.as_str()).await?;
+        rows.sort_by_key(|row| (row.created_at, row.id));
+        Ok(rows.into_iter().map(|row| row.id).collect())
+    }
+
     /// Delete one exemplar.
     ///
     /// # Errors

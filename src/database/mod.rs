@@ -29,7 +29,7 @@ pub use options::{Kind, Options};
 pub use registry::{LoadedVersion, Model, Registry};
 pub use report::{
     ConfusionReport, DimensionRateReport, GapReport, HeldOutReport, LandmarkReport, ObjectsReport,
-    OneObjectReport, PoseErrorsReport, Report, ReportTimings,
+    OneObjectReport, PoseErrorsReport, ReliabilityBinReport, ReliabilityReport, Report, ReportTimings,
 };
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};

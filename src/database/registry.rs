@@ -22,8 +22,8 @@ use crate::telemetry::chain;
 
 /// What a version recognises with.
 pub enum Model {
-    Landmarks(Landmarks),
-    Objects(Objects),
+    Landmarks(Box<Landmarks>),
+    Objects(Box<Objects>),
 }
 
 impl Model {
@@ -203,16 +203,11 @@ impl Registry {
         }
     }
 
-    /// Check that an artifact in the blob store reads back whole.
+    /// Read, verify and index one version, whether or not it is in memory.
     ///
     /// # Errors
     /// [`DatabaseError::Unloadable`], or a store that is away.
-    pub(crate) async fn check(&self, database: &str, digest: &str, blob: &str) -> Result<(), DatabaseError> {
-        self.load(database, 0, digest, blob).await.map(drop)
-    }
-
-    /// Read, verify and index one version.
-    async fn load(
+    pub(crate) async fn load(
         &self,
         database: &str,
         version: i64,

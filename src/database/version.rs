@@ -9,7 +9,7 @@ use crate::compute::{Compute, Lane};
 use crate::store::{BlobName, CatalogueError, NewVersion};
 
 /// Grows with every change that makes training give other results for the same inputs.
-pub const ALGORITHM_REVISION: i64 = 1;
+pub const ALGORITHM_REVISION: i64 = 2;
 
 /// How much a version was trained from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

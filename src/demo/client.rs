@@ -22,12 +22,12 @@ pub struct Server {
     http: reqwest::Client,
 }
 
-/// What a frame was taken for, by its votes.
+/// What a frame was taken for.
 pub struct Answer {
-    /// `None`: for nothing.
+    /// `None`: for nothing that is known, or not for sure enough.
     pub label: Option<String>,
-    /// Its part of all W.
-    pub share: f64,
+    /// The chance that it is right, if the service says so.
+    pub confidence: Option<f64>,
     /// What the service says the recognition took.
     pub recognise_ms: f64,
 }
@@ -159,10 +159,10 @@ impl Server {
     /// What a version of landmarks takes a frame for.
     pub async fn ask(&self, database: &str, version: u64, png: &[u8]) -> Result<Answer, DemoError> {
         let answer = self.recognise(database, version, png).await?;
-        let best = &answer["votes"][0];
+        let decision = &answer["decision"];
         Ok(Answer {
-            label: best["label"].as_str().map(str::to_owned),
-            share: best["share"].as_f64().unwrap_or_default(),
+            label: decision["label"].as_str().map(str::to_owned),
+            confidence: decision["confidence"].as_f64(),
             recognise_ms: answer["timings_ms"]["recognise"].as_f64().unwrap_or_default(),
         })
     }

@@ -1,5 +1,5 @@
 //! What the demo learns and what it then asks: drawn rooms and objects, each learned from one picture, and seen again
-//! turned, moved, covered and in clutter. Every view is drawn anew from its scene; all choices come from seeds.
+//! turned, moved, covered and in clutter; one of each is never learned and asked about all the same. Every view is drawn anew from its scene; all choices come from seeds.
 
 use super::drawing::{Outline, Paint, Picture, Scene, View, hash};
 use super::objects::{clutter, objects, table};
@@ -11,6 +11,11 @@ const ROOM_HEIGHT_PX: usize = 240;
 const OBJECT_PX: usize = 192;
 /// Wider than the picture an object is learned from, so that no turn cuts it off.
 const SEARCH_PX: usize = 240;
+
+/// The room and the object of this number are never learned.
+const NEVER_LEARNED: usize = 3;
+/// What views of these are called.
+const STRANGE: &str = "never learned";
 
 /// A picture that is learned.
 pub struct Exemplar {
@@ -24,8 +29,8 @@ pub struct Exemplar {
 pub struct Question {
     /// What was done to it.
     pub view: String,
-    /// What it shows.
-    pub shown: String,
+    /// What it shows; `None`: nothing that was learned.
+    pub shown: Option<String>,
     pub png: Vec<u8>,
 }
 
@@ -53,12 +58,16 @@ pub fn room_lesson() -> Lesson {
             let picture = Picture { width_px: ROOM_WIDTH_PX, height_px: ROOM_HEIGHT_PX, layers, seed };
             png_rgb8(ROOM_WIDTH_PX, ROOM_HEIGHT_PX, &picture.draw())
         };
+        let learned = n != NEVER_LEARNED;
         let mut ask = |view: &str, png| {
-            lesson.questions.push(Question { view: view.into(), shown: label.into(), png });
+            let (view, shown) = if learned { (view, Some(label.into())) } else { (STRANGE, None) };
+            lesson.questions.push(Question { view: view.into(), shown, png });
         };
         let seed = 8 * n as u32;
-        let learned = drawn(vec![(&scene, straight)], seed);
-        lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: learned });
+        if learned {
+            let png = drawn(vec![(&scene, straight)], seed);
+            lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png });
+        }
         ask("tilted, from elsewhere", drawn(vec![(&scene, elsewhere(0))], seed + 2));
         // the line goes through the centre: half of the view is behind it
         let covered = View { turn_deg: 180.0 * choice(8), ..View::of(0.0, 0.0) };
@@ -94,12 +103,16 @@ pub fn object_lesson() -> Lesson {
                 &Picture { width_px: side_px, height_px: side_px, layers, seed }.draw(),
             )
         };
+        let learned = n != NEVER_LEARNED;
         let mut ask = |view: &str, png| {
-            lesson.questions.push(Question { view: view.into(), shown: label.into(), png });
+            let (view, shown) = if learned { (view, Some(label.into())) } else { (STRANGE, None) };
+            lesson.questions.push(Question { view: view.into(), shown, png });
         };
         let seed = 100 + 8 * n as u32;
-        let learned = drawn(OBJECT_PX, vec![(&table, ground), (&scene, ground)], seed);
-        lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: learned });
+        if learned {
+            let png = drawn(OBJECT_PX, vec![(&table, ground), (&scene, ground)], seed);
+            lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png });
+        }
         ask("turned", drawn(SEARCH_PX, vec![(&table, ground), (&scene, turned(0))], seed + 2));
         // the line passes at a third of a typical radius of 60 px, which leaves about a third behind it
         let aside = View { x: -18.0, y: 0.0, turn_deg: 0.0, scale: 1.0 };
@@ -122,7 +135,7 @@ mod tests {
         decode(png, &DecodeLimits::default()).unwrap()
     }
 
-    /// How many questions the core answers right with its default options.
+    /// How many questions about what was learned the core answers right with its default options.
     fn right(lesson: &Lesson) -> usize {
         let options = LandmarkOptions::default();
         let described = lesson.exemplars.iter().map(|exemplar| {
@@ -131,25 +144,22 @@ mod tests {
         });
         let (model, _) = Landmarks::train(described.collect(), &options).unwrap();
         let mut right = 0;
-        for question in &lesson.questions {
-            let votes = model.recognise(&frame(&question.png), |_| ()).votes;
-            println!(
-                "{}: {} taken for {} with {:.2} of W",
-                question.view, question.shown, votes[0].label, votes[0].share
-            );
-            right += usize::from(votes[0].label == question.shown);
+        for Question { view, shown, png } in &lesson.questions {
+            let Some(shown) = shown else { continue };
+            let votes = model.recognise(&frame(png), |_| ()).votes;
+            println!("{view}: {shown} taken for {} with {:.2} of W", votes[0].label, votes[0].share);
+            right += usize::from(&votes[0].label == shown);
         }
-        println!("{right} of {}", lesson.questions.len());
         right
     }
 
     #[test]
     fn drawn_rooms_are_recognised_tilted_and_half_covered() {
-        assert!(right(&room_lesson()) >= 14, "of 16");
+        assert_eq!(right(&room_lesson()), 14);
     }
 
     #[test]
     fn drawn_objects_are_recognised_turned_covered_and_in_clutter() {
-        assert!(right(&object_lesson()) >= 22, "of 24");
+        assert!(right(&object_lesson()) >= 20, "of 21");
     }
 }

@@ -200,7 +200,8 @@ async fn inspect(
 fn keep(folder: &Path, lesson: &Lesson) -> Result<Vec<PathBuf>, DemoError> {
     let named = |n: usize, label: &str| format!("{n:03}-{label}.png");
     let learned = lesson.exemplars.iter().enumerate().map(|(n, e)| (named(n, &e.label), &e.png));
-    let asked = lesson.questions.iter().enumerate().map(|(n, q)| (named(n, &q.shown), &q.png));
+    let shown = |question: &Question| question.shown.clone().unwrap_or("strange".into());
+    let asked = lesson.questions.iter().enumerate().map(|(n, q)| (named(n, &shown(q)), &q.png));
     keep_in(&folder.join("learned"), learned)?;
     keep_in(&folder.join("asked"), asked)
 }
@@ -267,18 +268,21 @@ async fn examine(
     if !all {
         writeln!(out, "of {} answers only wrong ones are listed:", lesson.questions.len())?;
     }
-    writeln!(out, "  {:<28}{:<20}{:<20}{:>10}{:>8}", "view", "shown", "answered", "share of W", "ms")?;
+    writeln!(out, "  {:<28}{:<20}{:<20}{:>10}{:>8}", "view", "shown", "answered", "confidence", "ms")?;
     let mut rates: BTreeMap<String, Rate> = BTreeMap::new();
     for Question { view, shown, png } in &lesson.questions {
         let answer = server.ask(lesson.database, version, png).await?;
-        let right = answer.label.as_ref() == Some(shown);
+        let right = answer.label == *shown;
         let rate = rates.entry(view.clone()).or_insert(Rate::of(0, 0));
         *rate = Rate::of(rate.hits + usize::from(right), rate.trials + 1);
         if all || !right {
-            let (label, share, ms) =
-                (answer.label.as_deref().unwrap_or("nothing"), answer.share, answer.recognise_ms);
+            let nothing = || "nothing".to_owned();
+            let (shown, label) =
+                (shown.clone().unwrap_or_else(nothing), answer.label.unwrap_or_else(nothing));
+            let sure = answer.confidence.map_or("-".into(), |confidence| format!("{confidence:.2}"));
+            let ms = answer.recognise_ms;
             let verdict = if right { "right" } else { "WRONG" };
-            writeln!(out, "  {view:<28}{shown:<20}{label:<20}{share:>10.2}{ms:>8.1}  {verdict}")?;
+            writeln!(out, "  {view:<28}{shown:<20}{label:<20}{sure:>10}{ms:>8.1}  {verdict}")?;
         }
     }
     Ok(rates)

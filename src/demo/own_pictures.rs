@@ -46,7 +46,7 @@ fn name_and_frame(label: &str, path: &Path) -> Result<Frame, String> {
 fn add(lesson: &mut Lesson, n: i32, label: &str, frame: &Frame) {
     lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: png(frame) });
     let mut ask = |view: &str, frame: &Frame| {
-        lesson.questions.push(Question { view: view.into(), shown: label.into(), png: png(frame) });
+        lesson.questions.push(Question { view: view.into(), shown: Some(label.into()), png: png(frame) });
     };
     for turn in 0..TURNS {
         ask("turned", &frame.turned(360.0 * f64::from(hash(900 + turn, n, 0))));

@@ -1,7 +1,9 @@
-//! Databases of landmarks: which label has the most weight, and how much weight background alone collects.
+//! Databases of landmarks: which label has the most weight, what was decided at the version's threshold, and how much
+//! weight background alone collects.
 
 use std::collections::BTreeSet;
 use std::fmt;
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -12,7 +14,9 @@ use super::figures::{Confusion, Rate, Times, closing_rows, ms_since, row};
 use super::files::{Files, Skipped, UNKNOWN, read_frame};
 use super::options::document_of;
 use crate::database::options::Options;
-use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, Recognition, describe};
+use crate::recognition::landmarks::{
+    ExemplarName, LandmarkOptions, Landmarks, Recognition, describe, rehearsals,
+};
 
 /// A right answer among the first so many is still of use to a robot that looks twice.
 const TOP: usize = 5;
@@ -26,6 +30,19 @@ pub struct Rejection {
     pub kept: Rate,
     /// Probability that a query outweighs such a frame; a query named wrong counts as weight 0.
     pub auroc: f64,
+    /// Those of these frames for which nothing was decided.
+    pub refused: Rate,
+}
+
+/// What was decided about the queries that show something known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Decided {
+    /// Named right.
+    pub named: Rate,
+    /// Named wrong.
+    pub misnamed: Rate,
+    /// Not sure enough: no decision.
+    pub null: Rate,
 }
 
 /// How well a trained database knew the queries.
@@ -45,6 +62,10 @@ pub struct LandmarkEvaluation {
     pub top_1: Rate,
     /// The right name among the first five.
     pub top_5: Rate,
+    /// Decisions about queries that show something known.
+    pub decided: Decided,
+    /// Least confidence of a decision; `None` if the exemplars didn't allow to learn it: then the best is decided.
+    pub threshold: Option<f64>,
     /// `None` without frames that show no known object.
     pub rejection: Option<Rejection>,
     /// What was taken for what, most frequent first.
@@ -59,6 +80,8 @@ pub struct LandmarkEvaluation {
     pub recognise: Times,
     /// Describing and training, without decoding.
     pub training_ms: f64,
+    /// Rehearsing the training images and learning from that how sure answers are, with decoding.
+    pub rehearsal_ms: f64,
 }
 
 /// Train and recognise.
@@ -85,9 +108,12 @@ pub(super) fn evaluate(
         progress(done, total);
     }
     let started = Instant::now();
-    let (model, report) =
+    let (mut model, report) =
         Landmarks::train(exemplars, options).map_err(|source| EvaluateError::LandmarkTraining { source })?;
     training_ms += ms_since(started);
+    let started = Instant::now();
+    rehearse(&mut model);
+    let rehearsal_ms = ms_since(started);
 
     let labels = model.labels();
     let mut untrained = BTreeSet::new();
@@ -111,6 +137,7 @@ pub(super) fn evaluate(
     untrained.remove(UNKNOWN);
 
     let (known, strange): (Vec<Judged>, Vec<Judged>) = judged.into_iter().partition(|j| j.shown.is_some());
+    let decided = |wanted: &dyn Fn(&Judged) -> bool| Rate::among(known.iter().map(wanted));
     let within = |most: usize| Rate::of(known.iter().filter(|j| j.rank < most).count(), known.len());
     Ok(LandmarkEvaluation {
         options: document_of(&Options::Landmarks(options.clone())),
@@ -120,6 +147,12 @@ pub(super) fn evaluate(
         interest_points: report.interest_points,
         top_1: within(1),
         top_5: within(TOP),
+        decided: Decided {
+            named: decided(&|j| j.decided.is_some() && j.decided == j.shown),
+            misnamed: decided(&|j| j.decided.is_some() && j.decided != j.shown),
+            null: decided(&|j| j.decided.is_none()),
+        },
+        threshold: model.confidence().map(|confidence| confidence.threshold),
         rejection: rejection(&known, &strange),
         confusion: Confusion::counted(
             known
@@ -132,13 +165,32 @@ pub(super) fn evaluate(
         decode: Times::of(decode_ms),
         recognise: Times::of(recognise_ms),
         training_ms,
+        rehearsal_ms,
     })
+}
+
+/// Rehearse the exemplars and calibrate, as a training of the service does; a picture that can't be read again is
+/// passed over.
+fn rehearse(model: &mut Landmarks) {
+    let (chosen, rounds) = model.rehearsed_exemplars();
+    let mut said = Vec::new();
+    for round in 0..rounds {
+        for exemplar in chosen.iter().map(|&index| &model.exemplars()[index]) {
+            let name = ExemplarName { id: exemplar.id.clone(), label: exemplar.label.clone() };
+            if let Some((frame, _)) = read_frame(Path::new(&exemplar.id), &mut Vec::new()) {
+                said.extend(model.rehearse(&name, &rehearsals(&name, &frame, round, model.options())));
+            }
+        }
+    }
+    model.calibrate(&said);
 }
 
 /// One query's answer against its truth.
 struct Judged {
     shown: Option<String>,
     named: Option<String>,
+    /// What was decided.
+    decided: Option<String>,
     /// Place of the right label among the votes, from 0; [`usize::MAX`]: not among them.
     rank: usize,
     /// W of the best label.
@@ -152,6 +204,7 @@ impl Judged {
         Judged {
             shown: shown.map(str::to_owned),
             named: votes.first().map(|vote| vote.label.clone()),
+            decided: recognition.decision.as_ref().map(|decision| decision.label.clone()),
             rank: rank.unwrap_or(usize::MAX),
             weight: votes.first().map_or(0.0, |vote| vote.weight),
         }
@@ -182,7 +235,8 @@ fn rejection(known: &[Judged], strange: &[Judged]) -> Option<Rejection> {
         }
     }
     let auroc = won / (known.len() * strange.len()) as f64;
-    Some(Rejection { frames: strange.len(), kept: Rate::of(kept, known.len()), auroc })
+    let refused = Rate::among(strange.iter().map(|j| j.decided.is_none()));
+    Some(Rejection { frames: strange.len(), kept: Rate::of(kept, known.len()), auroc, refused })
 }
 
 impl fmt::Display for LandmarkEvaluation {
@@ -191,13 +245,27 @@ impl fmt::Display for LandmarkEvaluation {
             f,
             "trained",
             &format_args!(
-                "{} pictures of {} labels, {} interest points, {} dimensions, {:.0} ms",
-                self.exemplars, self.labels, self.interest_points, self.dimension, self.training_ms
+                "{} pictures of {} labels, {} interest points, {} dimensions, {:.0} ms, and {:.0} ms of rehearsals",
+                self.exemplars,
+                self.labels,
+                self.interest_points,
+                self.dimension,
+                self.training_ms,
+                self.rehearsal_ms
             ),
         )?;
         row(f, "top-1", &self.top_1)?;
         row(f, "top-5", &self.top_5)?;
+        let Decided { named, misnamed, null } = &self.decided;
+        match self.threshold {
+            Some(threshold) => row(f, "threshold", &format_args!("{threshold:.3}"))?,
+            None => row(f, "threshold", &"none: the best is decided")?,
+        }
+        row(f, "named", named)?;
+        row(f, "misnamed", misnamed)?;
+        row(f, "null", null)?;
         if let Some(rejection) = &self.rejection {
+            row(f, "refused", &format_args!("{} without a known object", rejection.refused))?;
             let frames = rejection.frames;
             row(f, "kept", &format_args!("{} above all of {frames} without a known object", rejection.kept))?;
             row(f, "AUROC", &format_args!("{:.3} against these {frames}", rejection.auroc))?;
@@ -213,7 +281,6 @@ impl fmt::Display for LandmarkEvaluation {
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::path::Path;
 
     use super::super::files::training_and_queries;
     use super::*;
@@ -259,6 +326,8 @@ mod tests {
         assert_eq!(evaluation.top_5, Rate::of(3, 3));
         let rejection = evaluation.rejection.as_ref().unwrap();
         assert_eq!((rejection.frames, rejection.kept, rejection.auroc), (2, Rate::of(3, 3), 1.0));
+        assert_eq!((evaluation.decided.named, rejection.refused), (Rate::of(3, 3), Rate::of(2, 2)));
+        assert!(evaluation.threshold.is_some_and(|threshold| threshold >= 0.5), "{evaluation}");
         assert_eq!(evaluation.untrained_labels, ["attic"]);
         assert!(evaluation.confusion.is_empty() && evaluation.skipped.is_empty());
         assert_eq!(told, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());

@@ -26,7 +26,7 @@ use crate::recognition;
 
 pub use figures::{Confusion, PoseErrors, Rate, Times, degrees_apart};
 pub use files::{LabelledFile, Skipped, labelled_files};
-pub use landmarks::{LandmarkEvaluation, Rejection};
+pub use landmarks::{Decided, LandmarkEvaluation, Rejection};
 pub use objects::{ObjectEvaluation, ObjectPoses, Poses};
 
 /// Arguments of `landmarkd evaluate`.

@@ -120,6 +120,9 @@ pub async fn metrics(State(service): State<Service>) -> Response {
     let (versions, bytes) = service.databases.registry().held();
     metrics.versions_loaded.set(versions as i64);
     metrics.versions_loaded_bytes.set(bytes as i64);
+    let (tracks, bytes) = service.tracks.held();
+    metrics.tracks.set(tracks as i64);
+    metrics.tracks_bytes.set(bytes as i64);
     // With the catalogue away the numbers stay as they were last seen.
     if let Ok(counted) = service.jobs.by_state().await {
         for state in JobState::ALL {
@@ -159,6 +162,9 @@ pub struct LimitsBody {
     max_batch_parts: u64,
     max_batch_bytes: u64,
     max_artifact_bytes: u64,
+    max_tracks: u64,
+    max_tracks_bytes: u64,
+    track_idle_ms: u64,
     max_waiting: u64,
     threads: u64,
     request_timeout_ms: u64,
@@ -186,6 +192,9 @@ pub async fn info(State(service): State<Service>) -> Json<Info> {
             max_batch_parts: limits.max_batch_parts as u64,
             max_batch_bytes: limits.max_batch_bytes,
             max_artifact_bytes: limits.max_artifact_bytes,
+            max_tracks: limits.max_tracks as u64,
+            max_tracks_bytes: limits.max_tracks_bytes,
+            track_idle_ms: ms(limits.track_idle),
             max_waiting: (limits.waiting_per_thread * threads) as u64,
             threads: threads as u64,
             request_timeout_ms: ms(limits.request_timeout),

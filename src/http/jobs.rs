@@ -19,6 +19,7 @@ use super::extract::{Path, Query};
 use super::pages::{self, Page};
 use super::problem::{Problem, ProblemBody};
 use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
+use crate::jobs::VersionComparison;
 
 /// A piece of long work.
 #[derive(Debug, Serialize, ToSchema)]
@@ -35,6 +36,8 @@ pub struct JobBody {
     /// The version it made or found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<i64>,
+    /// How the version did beside the one that `current` pointed to, if the training was to promote it `if_not_worse`.
+    pub comparison: Option<ComparisonBody>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<ProblemBody>,
@@ -48,6 +51,44 @@ pub struct JobBody {
     pub started_at: Option<Timestamp>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub finished_at: Option<Timestamp>,
+}
+
+/// A trained version and the one that `current` pointed to, shown the same: exemplars of the new one, seen otherwise.
+/// Landmarks are also shown with their label left out of either version, when the right answer is null.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ComparisonBody {
+    /// The version in use; null if `current` pointed to none that loads: then nothing was shown, and it is promoted.
+    pub against_version: Option<i64>,
+    /// How often both were asked.
+    pub trials: u64,
+    /// Right answers of the trained version.
+    pub candidate_right: u64,
+    /// Right answers of the version in use.
+    pub current_right: u64,
+    /// Asked when the trained version alone was right.
+    pub candidate_only: u64,
+    /// Asked when the version in use alone was right.
+    pub current_only: u64,
+    /// The chance that, of those on which they differ, as many or more go to the version in use if both are equally
+    /// good (sign test). Below 0.05 the trained version counts as worse.
+    pub p_value: f64,
+    /// Whether `current` moved to the trained version.
+    pub promoted: bool,
+}
+
+impl From<VersionComparison> for ComparisonBody {
+    fn from(compared: VersionComparison) -> Self {
+        Self {
+            against_version: compared.against_version,
+            trials: compared.trials,
+            candidate_right: compared.candidate_right,
+            current_right: compared.current_right,
+            candidate_only: compared.candidate_only,
+            current_only: compared.current_only,
+            p_value: compared.p_value,
+            promoted: compared.promoted,
+        }
+    }
 }
 
 /// The life of a job.
@@ -98,6 +139,7 @@ impl From<JobRow> for JobBody {
     fn from(row: JobRow) -> Self {
         Self {
             id: row.id,
+            comparison: VersionComparison::of_job(&row).map(ComparisonBody::from),
             kind: row.kind,
             database: row.database,
             calibration: row.calibration,

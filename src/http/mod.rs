@@ -30,6 +30,7 @@ mod rim;
 mod segmentations;
 mod stages;
 mod sweeps;
+mod tracks;
 mod trainings;
 mod uploads;
 mod versions;
@@ -51,6 +52,7 @@ use utoipa_swagger_ui::SwaggerUi;
 
 use self::body::BodyBudget;
 pub use self::estimators::Estimators;
+pub use self::tracks::Tracks;
 use crate::compute::Compute;
 use crate::config::Limits;
 use crate::database::Databases;
@@ -70,6 +72,8 @@ pub struct Service {
     pub decode: DecodeLimits,
     /// Depth estimators used lately.
     pub estimators: Estimators,
+    /// Robots on their way.
+    pub tracks: Tracks,
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
     pub worker: Arc<str>,
@@ -100,6 +104,9 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(aliases::put, aliases::get, aliases::delete))
         .routes(routes!(recognitions::post))
         .routes(routes!(recognitions::post_batch))
+        .routes(routes!(tracks::post, tracks::list))
+        .routes(routes!(tracks::get, tracks::delete))
+        .routes(routes!(tracks::post_frame))
         .routes(routes!(calibrations::list))
         .routes(routes!(calibrations::put, calibrations::get, calibrations::delete))
         .routes(routes!(calibrations::register))

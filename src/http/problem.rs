@@ -1,5 +1,7 @@
 //! Problem documents (RFC 9457): one table of codes, their status and title. The text says what to do next.
 
+use std::time::Duration;
+
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -52,6 +54,7 @@ codes! {
     UnknownCalibration "unknown_calibration" NOT_FOUND "There is no such calibration",
     UnknownWorkcell "unknown_workcell" NOT_FOUND "There is no such workcell",
     UnknownJob "unknown_job" NOT_FOUND "There is no such job",
+    UnknownTrack "unknown_track" NOT_FOUND "There is no such track",
     MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
     NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
     BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly",
@@ -88,6 +91,7 @@ codes! {
     InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
     NoRegion "no_region" UNPROCESSABLE_ENTITY "The picture has no such region",
     NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
+    TooManyTracks "too_many_tracks" TOO_MANY_REQUESTS "There is no room for another track",
     Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done",
     DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
     CatalogueUnavailable "catalogue_unavailable" SERVICE_UNAVAILABLE "The catalogue is away",
@@ -171,8 +175,18 @@ impl From<Problem> for ProblemBody {
 impl Problem {
     /// A problem of this kind.
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
-        let retry_after_s = (code.status() == StatusCode::SERVICE_UNAVAILABLE).then_some(1);
+        let retry_after_s = Self::says_when(code.status()).then_some(1);
         Self { code, detail: detail.into(), errors: Vec::new(), retry_after_s }
+    }
+
+    /// Whether a problem of that status says when to come back.
+    fn says_when(status: StatusCode) -> bool {
+        [StatusCode::SERVICE_UNAVAILABLE, StatusCode::TOO_MANY_REQUESTS].contains(&status)
+    }
+
+    /// The same, to come back after that time: in whole seconds, at least one.
+    pub fn until(self, after: Duration) -> Self {
+        Self { retry_after_s: Some(after.as_secs().max(1)), ..self }
     }
 
     /// Fields at fault, all of them.
@@ -322,10 +336,9 @@ impl From<SweepError> for Problem {
 impl From<ComputeError> for Problem {
     fn from(error: ComputeError) -> Self {
         match error {
-            ComputeError::Full { retry_after, .. } => Self {
-                retry_after_s: Some(retry_after.as_secs().max(1)),
-                ..Self::new(Code::Overloaded, format!("{error}: try again a little later"))
-            },
+            ComputeError::Full { retry_after, .. } => {
+                Self::new(Code::Overloaded, format!("{error}: try again a little later")).until(retry_after)
+            }
             error => Self::internal(&error),
         }
     }
@@ -442,11 +455,12 @@ mod tests {
     }
 
     #[test]
-    fn every_unavailable_answer_says_when_to_come_back() {
+    fn every_answer_that_puts_off_says_when_to_come_back() {
         for code in Code::ALL {
             let response = Problem::new(*code, "x").render(None);
             let says = response.headers().contains_key(header::RETRY_AFTER);
-            assert_eq!(says, response.status() == StatusCode::SERVICE_UNAVAILABLE, "{}", code.word());
+            let puts_off = [503, 429].contains(&response.status().as_u16());
+            assert_eq!(says, puts_off, "{}", code.word());
         }
     }
 }

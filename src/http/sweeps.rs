@@ -183,7 +183,7 @@ impl SweepParts {
         }
         Ok(SweepParams {
             revision: rig.revision,
-            method: options.method.and_then(|word| word.inside().ok()).unwrap_or(Method::Gram),
+            method: options.method.map_or(Method::Gram, Method::from),
             fit_optics: options.fit_optics.unwrap_or_default(),
             planes: planes
                 .into_iter()

@@ -11,7 +11,7 @@ use super::databases::{DatabasePath, read_options};
 use super::extract::{Json as JsonIn, Path};
 use super::jobs::{JobBody, queued};
 use super::options::{self, OptionsBody};
-use super::problem::{Code, Problem};
+use super::problem::Problem;
 use crate::jobs::{Promote, TrainingParams};
 
 /// Whether `current` moves to the new version.
@@ -20,7 +20,8 @@ use crate::jobs::{Promote, TrainingParams};
 pub enum PromoteWord {
     #[default]
     Always,
-    /// Not in this release.
+    /// Unless it is worse than the version that `current` points to: both are shown the exemplars seen otherwise, and
+    /// the sign test says whether it is worse beyond chance (p < 0.05). See the job's `comparison`.
     IfNotWorse,
     Never,
 }
@@ -52,13 +53,7 @@ pub async fn post(
     let promote = match new.promote {
         PromoteWord::Always => Promote::Always,
         PromoteWord::Never => Promote::Never,
-        PromoteWord::IfNotWorse => {
-            return Err(Problem::new(
-                Code::NotYet,
-                "promote if_not_worse is not in this release: use never, look at the version's report, and point \
-                 the alias current to it yourself",
-            ));
-        }
+        PromoteWord::IfNotWorse => Promote::IfNotWorse,
     };
     let base = read_options(&service.databases.get(&path.database).await?)?;
     let options = options::over(base, &new.options.unwrap_or_default())?;

@@ -218,7 +218,7 @@ impl PutWorkcell {
             .map(|pair| Correspondence { image_px: pair.image_px, robot_mm: pair.robot_mm })
             .collect();
         let flip_y = sent.flip_y.unwrap_or(true);
-        let kind = sent.mapping.and_then(|word| word.inside().ok());
+        let kind = sent.mapping.map(workcell::MappingKind::from);
         let mapping = if sent.correspondences.is_none() {
             None
         } else if correspondences.len() > MAX_CORRESPONDENCES {

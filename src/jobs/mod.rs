@@ -17,7 +17,7 @@ use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, N
 use crate::store::{Catalogue, CatalogueError};
 pub use runner::{Runner, WORKER_LEASE};
 pub use sweep::{SweepParams, SweepPlane, sweep_problem};
-pub use training::{Promote, TrainingParams, UnfitExemplars};
+pub use training::{Promote, TrainingParams, UnfitExemplars, VersionComparison};
 
 /// Why a call on a job failed.
 #[derive(Debug, thiserror::Error)]

@@ -289,6 +289,8 @@ pub struct JobRow {
     pub version: Option<i64>,
     /// JSON with at least `code` and `detail`, where the job failed or was cut off by a deletion.
     pub problem: Option<String>,
+    /// JSON: how the version did beside the one in use, where that was asked for.
+    pub comparison: Option<String>,
     pub created_at: Timestamp,
     /// The first claim.
     pub started_at: Option<Timestamp>,
@@ -528,7 +530,8 @@ pub trait Catalogue: Send + Sync + 'static {
 
     /// Ends a job with a version: its row, the alias if one is named, and the job's success, in one transaction.
     ///
-    /// The version of that digest is taken where there is one already. Errors: `LeaseLost`, `CancelRequested`,
+    /// The version of that digest is taken where there is one already. What came of comparing it (JSON) is kept with
+    /// the job. Errors: `LeaseLost`, `CancelRequested`,
     /// `NotFound` for the database; then nothing has changed.
     async fn publish(
         &self,
@@ -536,6 +539,7 @@ pub trait Catalogue: Send + Sync + 'static {
         token: i64,
         new: &NewVersion,
         promote_alias: Option<&str>,
+        comparison: Option<&str>,
     ) -> Result<VersionRow, CatalogueError>;
 
     /// Ends a job that needed no new version: the one it found, the alias if one is named, and its success.
@@ -548,6 +552,7 @@ pub trait Catalogue: Send + Sync + 'static {
         token: i64,
         version: Option<i64>,
         promote_alias: Option<&str>,
+        comparison: Option<&str>,
     ) -> Result<JobRow, CatalogueError>;
 
     /// Ends a job with a problem (JSON with at least `code` and `detail`). Errors: `LeaseLost`.

@@ -236,8 +236,19 @@ async fn whatever_comes_as_json_is_answered() {
         (Method::PUT, "/v1/databases/lab/aliases/new"),
         (Method::POST, "/v1/databases/new/trainings"),
     ];
-    let options =
-        ["rings", "sectors", "dimension", "epsilon", "subwindow_radius_px", "interest_points", "neighbours"];
+    let options = [
+        "rings",
+        "sectors",
+        "dimension",
+        "epsilon",
+        "subwindow_radius_px",
+        "interest_points",
+        "neighbours",
+        "method",
+        "viewpoint",
+        "operator",
+        "position_prior_px",
+    ];
     let one_option = (0..options.len(), prop_oneof![any::<i64>().prop_map(|n| n.into()), json_value()])
         .prop_map(
             move |(name, value)| serde_json::json!({"kind": "landmarks", "options": {options[name]: value}}),

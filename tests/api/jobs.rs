@@ -99,7 +99,7 @@ async fn events_tell_a_jobs_life_from_its_first_state_to_its_last() {
     let mut stages: Vec<&str> =
         events.iter().filter_map(|(_, job)| job["progress"]["stage"].as_str()).collect();
     stages.dedup();
-    assert_eq!(stages, ["describing", "eigenspace", "publishing"]);
+    assert_eq!(stages, ["describing", "eigenspace", "rehearsing", "calibrating", "publishing"]);
     assert!(events.iter().all(|(_, event)| event["id"] == job["id"]));
     let (_, last) = events.last().unwrap();
     assert_eq!(*last, app.get(&format!("/v1/jobs/{}", job["id"].as_str().unwrap())).await.expect(200));
@@ -225,7 +225,7 @@ async fn one_picture_under_forty_labels_does_not_break_a_training() {
     }
     app.train("lab", json!({})).await;
     let answer = app.recognise("lab", "?top=100", crate::pictures::scene_png(1)).await;
-    assert_eq!(answer["decision"]["label"], "cup");
+    assert_eq!(answer["votes"][0]["label"], "cup");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -15,6 +15,11 @@ const PLACES: [&str; 4] = ["kitchen", "hall", "lab", "stairs"];
 /// A database of four places, uploaded as one tar archive and trained.
 async fn four_places(app: &App) {
     app.create("home").await;
+    fill(app).await;
+}
+
+/// Upload the four places and train.
+async fn fill(app: &App) {
     let files = (1..).zip(PLACES).map(|(number, label)| (format!("{label}/view.png"), scene_png(number)));
     let archive = tar(&files.collect::<Vec<_>>()).await;
     let path = "/v1/databases/home/exemplars:batch";
@@ -28,11 +33,16 @@ async fn four_places(app: &App) {
 #[tokio::test(flavor = "multi_thread")]
 async fn places_uploaded_as_a_tar_and_trained_are_recognised_straight_and_turned() {
     let app = App::start().await;
-    four_places(&app).await;
+    let options =
+        json!({"interest_points": 48, "query_points": 200, "subwindow_radius_px": 9, "dimension": 16});
+    app.put("/v1/databases/home", json!({"kind": "landmarks", "options": options})).await.expect(201);
+    fill(&app).await;
     for (number, label) in (1..).zip(PLACES) {
         for turn_deg in [0.0, 90.0, 180.0, 270.0] {
             let answer = app.recognise("home", "", png(&scene(number).turned(turn_deg))).await;
-            assert_eq!(answer["decision"], json!({"label": label, "confidence": null}), "{answer:#}");
+            assert_eq!(answer["decision"]["label"], label, "{answer:#}");
+            let confidence = answer["decision"]["confidence"].as_f64().unwrap();
+            assert!((0.5..=1.0).contains(&confidence), "{answer:#}");
             assert_eq!(answer["votes"][0]["label"], label);
             assert_eq!((&answer["kind"], &answer["version"]), (&json!("landmarks"), &json!(1)));
         }

@@ -151,7 +151,7 @@ async fn impossible_names_numbers_and_fields_are_unprocessable_and_pointed_to() 
 async fn wrong_unknown_and_conflicting_options_are_named_all_at_once() {
     let app = App::start().await;
     let options = json!({
-        "ringz": 3, "sectors": "many", "epsilon": -1, "taper": "flat", "rings": 2, "dimension": 200,
+        "method": "paper", "ringz": 3, "sectors": "many", "epsilon": -1, "taper": "flat", "rings": 2, "dimension": 200,
         "interest_points": 0, "neighbours": 4,
     });
     let problem = app
@@ -170,21 +170,29 @@ async fn wrong_unknown_and_conflicting_options_are_named_all_at_once() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_this_release_cannot_do_is_not_yet() {
-    let app = lab().await;
-    let table = [
-        (Method::PUT, "/v1/databases/lab", json!({"kind": "landmarks", "options": {"method": "placement"}})),
-        (
-            Method::PUT,
-            "/v1/databases/lab",
-            json!({"kind": "landmarks", "options": {"position_prior_px": 4.0}}),
-        ),
-        (Method::POST, "/v1/databases/lab/trainings", json!({"promote": "if_not_worse"})),
-        (Method::POST, "/v1/databases/lab/trainings", json!({"options": {"operator": "harris"}})),
-    ];
-    for (method, path, body) in table {
-        app.send(json_to(method, path, body)).await.expect_problem(422, "not_yet");
-    }
+async fn defaults_are_those_of_the_method_and_the_viewpoint() {
+    let app = App::start().await;
+    let shown = async |name: &str, options: Value| {
+        let body = json!({"kind": "landmarks", "options": options});
+        let database = app.put(&format!("/v1/databases/{name}"), body).await.expect(201);
+        let options = database["options"].clone();
+        ["method", "viewpoint", "interest_points", "neighbours", "subwindow_radius_px", "position_prior_px"]
+            .map(|option| options[option].clone())
+    };
+    let placement = json!(["placement", "free", 96, 6, [10.0, 14.0], null]);
+    assert_eq!(json!(shown("a", json!({})).await), placement);
+    let paper = json!(["paper", "free", 64, 1, 5.0, null]);
+    assert_eq!(json!(shown("b", json!({"method": "paper"})).await), paper);
+    let upright = json!(["placement", "upright", 150, 30, [12.0, 16.0, 21.0], 25.0]);
+    let given = json!({"viewpoint": "upright", "position_prior_px": 25});
+    assert_eq!(json!(shown("c", given).await), upright);
+    shown("harris", json!({"operator": "harris"})).await;
+    let blobs = json!({"kind": "landmarks", "options": {"operator": "dog"}});
+    let problem = app.put("/v1/databases/dog", blobs).await.expect_problem(422, "invalid_field");
+    assert_eq!(problem["errors"][0]["pointer"], "/options/operator");
+    let conflict = json!({"kind": "landmarks", "options": {"method": "paper", "viewpoint": "upright"}});
+    let problem = app.put("/v1/databases/d", conflict).await.expect_problem(422, "invalid_field");
+    assert_eq!(problem["errors"][0]["pointer"], "/options/viewpoint");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -242,7 +250,7 @@ async fn a_mislabelled_or_unlabelled_picture_is_taken_for_what_it_is() {
         ["image/jpeg", "image/webp", "image/x-unheard-of", "IMAGE/PNG; q=1", "application/octet-stream"]
     {
         let answer = app.post_bytes("/v1/databases/lab/recognitions", media_type, scene_png(1)).await;
-        assert_eq!(answer.expect(200)["decision"]["label"], "place-1", "{media_type}");
+        assert_eq!(answer.expect(200)["votes"][0]["label"], "place-1", "{media_type}");
     }
     let undeclared = request(Method::POST, "/v1/databases/lab/recognitions").body(Body::from(scene_png(1)));
     app.send(undeclared.unwrap()).await.expect(200);
@@ -360,7 +368,7 @@ async fn seventeen_mebibytes_are_too_many() {
     let batch =
         app.post_bytes("/v1/databases/lab/recognitions:batch", &form_type(), form(&parts)).await.expect(200);
     assert_eq!(batch["items"][0]["problem"]["code"], "body_too_large");
-    assert_eq!(batch["items"][1]["decision"]["label"], "place-2");
+    assert_eq!(batch["items"][1]["votes"][0]["label"], "place-2");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -426,7 +434,7 @@ async fn a_database_is_created_once_and_its_options_can_be_replaced() {
     let app = App::start().await;
     let path = "/v1/databases/lab";
     let first = app.put(path, json!({"kind": "landmarks"})).await.expect(201);
-    assert_eq!(first["options"]["interest_points"], 64);
+    assert_eq!(first["options"]["interest_points"], 96);
     assert_eq!(app.put(path, json!({"kind": "landmarks"})).await.expect(200), first);
     let options = json!({"kind": "landmarks", "options": {"interest_points": 32}});
     assert_eq!(app.put(path, options).await.expect(200)["options"]["interest_points"], 32);

@@ -171,7 +171,7 @@ async fn get(client: &Client, url: &str) -> Value {
 
 /// Options under which training many small pictures takes long enough to be cut off in its midst.
 fn slow_options() -> Value {
-    json!({"kind": "landmarks", "options": {"interest_points": 128, "subwindow_radius_px": 9.0, "rings": 16, "sectors": 64}})
+    json!({"kind": "landmarks", "options": {"method": "paper", "interest_points": 128, "subwindow_radius_px": 9.0, "rings": 16, "sectors": 64}})
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -328,7 +328,7 @@ async fn a_database_made_anew_under_an_old_name_never_answers_with_the_old_one()
     app.train("lab", json!({})).await;
     for query in ["", "?version=1"] {
         let new = app.recognise("lab", query, scene_png(5)).await;
-        assert_eq!((&new["version"], &new["decision"]["label"]), (&json!(1), &json!("elsewhere")));
+        assert_eq!((&new["version"], &new["votes"][0]["label"]), (&json!(1), &json!("elsewhere")));
         assert_ne!(new["digest"], old["digest"]);
     }
 }

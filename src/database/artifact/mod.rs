@@ -118,15 +118,7 @@ const NO_CHECKSUM: &str = "00000000000000000000000000000000000000000000000000000
 /// # Panics
 /// If the report is not of the model's kind.
 pub fn write(artifact: &Artifact) -> Vec<u8> {
-    let header = Header {
-        format: FORMAT,
-        kind: artifact.kind().as_str().into(),
-        algorithm_revision: artifact.algorithm_revision,
-        digest: artifact.digest.clone(),
-        checksum: NO_CHECKSUM.into(),
-        options: artifact.options_document(),
-        counts: artifact.counts,
-    };
+    let header = common_header(artifact);
     match (&artifact.model, &artifact.report) {
         (Model::Landmarks(model), Report::Landmarks(report)) => {
             write_parts(header, landmarks::take_apart(model, report))
@@ -135,6 +127,18 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
             write_parts(header, objects::take_apart(model, report))
         }
         _ => panic!("the report is of the model's kind"),
+    }
+}
+
+fn common_header(artifact: &Artifact) -> Header {
+    Header {
+        format: FORMAT,
+        kind: artifact.kind().as_str().into(),
+        algorithm_revision: artifact.algorithm_revision,
+        digest: artifact.digest.clone(),
+        checksum: NO_CHECKSUM.into(),
+        options: artifact.options_document(),
+        counts: artifact.counts,
     }
 }
 
@@ -179,15 +183,15 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
     let (model, report, counts) = match options {
         Options::Landmarks(options) => {
             let of_kind: landmarks::LandmarkHeader = read_header(text)?;
-            let report = of_kind.report.clone();
+            let report = Box::new(of_kind.report.clone());
             let (model, counts) = landmarks::put_together(options, of_kind, &tensors)?;
-            (Model::Landmarks(model), Report::Landmarks(report), counts)
+            (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts)
         }
         Options::Objects(options) => {
             let of_kind: objects::ObjectHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
             let (model, counts) = objects::put_together(options, of_kind, &tensors)?;
-            (Model::Objects(model), Report::Objects(report), counts)
+            (Model::Objects(Box::new(model)), Report::Objects(report), counts)
         }
     };
     if counts != header.counts || header.digest.parse::<BlobName>().is_err() {
@@ -243,23 +247,40 @@ fn tensor<T, const N: usize>(
     Ok(values.iter().map(|bytes| value(*bytes)).collect())
 }
 
+/// The same for a tensor that may be absent.
+fn optional<T, const N: usize>(
+    tensors: &SafeTensors,
+    name: &'static str,
+    dtype: Dtype,
+    value: impl Fn([u8; N]) -> T,
+) -> Result<Option<Vec<T>>, ArtifactError> {
+    tensors.tensor(name).is_ok().then(|| tensor(tensors, name, dtype, value)).transpose()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::database::LandmarkReport;
     use crate::imaging::{Frame, Image};
-    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
+    use crate::recognition::landmarks::{
+        ExemplarName, LandmarkOptions, Landmarks, Method, Rehearsed, Viewpoint, describe,
+    };
+    use serde_json::{Value, json};
     use uuid::Uuid;
 
-    /// Two exemplars of 40×40 with a disc and a square; few rings, so that the file is small.
+    /// One with all that an artifact can hold.
     fn artifact() -> Artifact {
-        let options = LandmarkOptions {
-            interest_points: 4,
-            rings: 2,
-            sectors: 4,
-            dimension: 2,
-            ..LandmarkOptions::default()
-        };
+        let mut artifact = of(LandmarkOptions::default());
+        let said =
+            |n: usize| Rehearsed { evidence: [n as f64; 4], right: n > 12, known: n.is_multiple_of(2) };
+        let Model::Landmarks(model) = &mut artifact.model else { panic!("it is one of landmarks") };
+        model.calibrate(&(0..24).map(said).collect::<Vec<_>>()).unwrap();
+        artifact
+    }
+
+    /// Two exemplars of 40×40 with a disc and a square; few rings, so that the file is small.
+    fn of(options: LandmarkOptions) -> Artifact {
+        let options = LandmarkOptions { interest_points: 4, rings: 4, sectors: 16, dimension: 2, ..options };
         let disc = Image::from_fn(40, 40, |x, y| {
             let (dx, dy) = (x as f32 - 17.0, y as f32 - 21.0);
             if dx * dx + dy * dy < 40.0 { 220.0 } else { 20.0 }
@@ -282,8 +303,8 @@ mod tests {
             digest: BlobName::of(b"inputs").to_string(),
             algorithm_revision: 1,
             counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
-            report: Report::Landmarks(LandmarkReport::from(&report)),
-            model: Model::Landmarks(landmarks),
+            report: Report::Landmarks(Box::new(LandmarkReport::from(&report))),
+            model: Model::Landmarks(Box::new(landmarks)),
         }
     }
 
@@ -299,6 +320,68 @@ mod tests {
         assert_eq!((read.digest.as_str(), read.counts), (written.digest.as_str(), written.counts));
         assert_eq!(write(&read), file);
         assert_eq!(write(&artifact()), file, "training the same twice gives the same bytes");
+    }
+
+    type Parts = (Value, Vec<Tensor>);
+
+    /// What reads back of an artifact with its own header and tensors changed.
+    fn changed(artifact: &Artifact, change: impl Fn(&mut Parts)) -> Result<Artifact, ArtifactError> {
+        let (Model::Landmarks(model), Report::Landmarks(report)) = (&artifact.model, &artifact.report) else {
+            panic!("it is one of landmarks")
+        };
+        let (header, tensors) = landmarks::take_apart(model, report);
+        let mut parts = (serde_json::to_value(header).unwrap(), tensors);
+        change(&mut parts);
+        read(&write_parts(common_header(artifact), parts))
+    }
+
+    #[test]
+    fn a_file_of_an_earlier_release_answers_as_it_did() {
+        let written = of(LandmarkOptions::of(Method::Paper, Viewpoint::Free));
+        let earlier = changed(&written, |(header, tensors)| {
+            tensors.retain(|(name, ..)| *name != "radius");
+            assert_eq!(tensors.len(), 6, "what there was before");
+            for exemplar in header["exemplars"].as_array_mut().unwrap() {
+                exemplar.as_object_mut().unwrap().remove("contour_points").unwrap();
+            }
+        });
+        let earlier = earlier.unwrap();
+        let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &earlier.model) else {
+            panic!("a landmark database comes back as one")
+        };
+        assert_eq!(before.to_parts(), after.to_parts());
+        assert!(after.confidence().is_none());
+    }
+
+    #[test]
+    fn parts_that_do_not_fit_are_refused() {
+        let artifact = artifact();
+        assert!(changed(&artifact, |_| ()).is_ok());
+        let without = |lost: &'static str| {
+            changed(&artifact, |(_, tensors)| tensors.retain(|(name, ..)| *name != lost))
+        };
+        for lost in ["basis", "owner", "spectra", "contours"] {
+            assert!(without(lost).is_err(), "{lost} is not missed");
+        }
+        for (pointer, value) in [
+            ("/exemplars/0/contour_points", json!(0)),
+            ("/exemplars/1/contour_points", json!(100_000)),
+            ("/exemplars/0/points", json!(1)),
+            ("/confidence/threshold", json!(1.5)),
+            ("/confidence/weights/2", json!(-1.0)),
+            ("/confidence/weights", json!([1.0, 2.0])),
+        ] {
+            let changed =
+                changed(&artifact, |(header, _)| *header.pointer_mut(pointer).unwrap() = value.clone());
+            assert!(changed.is_err(), "{pointer} may be {value}");
+        }
+        let radius = |byte: u8| {
+            changed(&artifact, |(_, tensors)| {
+                let radius = tensors.iter_mut().find(|(name, ..)| *name == "radius").unwrap();
+                *radius.3.last_mut().unwrap() = byte;
+            })
+        };
+        assert!(radius(1).is_ok() && radius(2).is_err());
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod objects;
 
 use serde::{Deserialize, Serialize};
 
-pub use landmarks::LandmarkReport;
+pub use landmarks::{LandmarkReport, ReliabilityBinReport, ReliabilityReport};
 pub use objects::{
     ConfusionReport, DimensionRateReport, GapReport, HeldOutReport, ObjectsReport, OneObjectReport,
     PoseErrorsReport,
@@ -16,7 +16,7 @@ use super::Kind;
 /// What a training told of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Report {
-    Landmarks(LandmarkReport),
+    Landmarks(Box<LandmarkReport>),
     Objects(Box<ObjectsReport>),
 }
 
@@ -27,6 +27,9 @@ pub struct ReportTimings {
     pub describe: f64,
     /// Eigenspace, index and artifact.
     pub eigenspace: f64,
+    /// Rehearsing the exemplars; none where that isn't done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rehearsal: Option<f64>,
 }
 
 impl Report {

@@ -65,8 +65,8 @@ impl DepthOptionsBody {
     pub fn read(body: &Map<String, Value>) -> (DepthOptions, Vec<FieldError>) {
         let (body, mut faults) = readable::<Self>("/options", body);
         let mut options = DepthOptions::default();
-        if let Some(Ok(method)) = body.method.map(DepthMethodWord::inside) {
-            options.method = method;
+        if let Some(method) = body.method {
+            options.method = method.into();
         }
         match body.window {
             Some(WindowBody::Number(px)) => options.window = Window::Px(px),

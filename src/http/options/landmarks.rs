@@ -4,21 +4,23 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{fields, judge, readable, words};
-use crate::http::problem::{Code, FieldError, Problem};
-use crate::recognition::landmarks::{self, LandmarkOptions};
+use super::{fields, given, judge, readable, words};
+use crate::http::problem::Problem;
+use crate::recognition::landmarks::{self, LandmarkOptions, Method, Viewpoint};
 
 words!(
-    /// How votes are counted: `paper` is the published method; `placement` is not in this release.
-    MethodWord, landmarks::Method, { Paper }, later { Placement }
+    /// How matches become an answer: by agreeing on where an exemplar lies and how it is turned (`placement`), or by
+    /// each point's vote for the exemplar of its nearest eigenpoint, the published method (`paper`).
+    MethodWord, landmarks::Method, { Placement, Paper }
 );
 words!(
-    /// Whether the camera may turn about its axis; `upright` is not in this release.
-    ViewpointWord, landmarks::Viewpoint, { Free }, later { Upright }
+    /// Whether the camera may turn about its axis, or stays upright as on wheels.
+    ViewpointWord, landmarks::Viewpoint, { Free, Upright }
 );
 words!(
-    /// How interest points are found; only `symmetry` is in this release.
-    OperatorWord, landmarks::Operator, { Symmetry }, later { Dog, Harris, Mixed }
+    /// What draws attention: generalised symmetry, as in the paper, or corners (Harris): fewer points, on objects as
+    /// good, on places not.
+    OperatorWord, landmarks::Operator, { Symmetry, Harris }
 );
 words!(
     /// How a sub-window fades towards its rim: over the radius alone, or over both axes as the paper's text has it.
@@ -37,7 +39,16 @@ words!(
     PerLabelWord, landmarks::PerLabel, { Best, Sum }
 );
 
-/// Options of a database of kind `landmarks`.
+/// A radius, or one to four different ones, the smallest first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(untagged, expecting = "expected a number, or a list of numbers")]
+pub enum RadiiBody {
+    One(f64),
+    Several(Vec<f64>),
+}
+
+/// Options of a database of kind `landmarks`. Defaults are those of `method` and `viewpoint`: a body that names another
+/// of these than the database has starts from that pair's defaults, and its other members are put over them.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LandmarkOptionsBody {
@@ -56,9 +67,10 @@ pub struct LandmarkOptionsBody {
     /// Interest points a query frame.
     #[schema(minimum = 1, maximum = 4096)]
     pub query_points: Option<usize>,
-    /// Radius of a sub-window.
-    #[schema(minimum = 2, maximum = 64)]
-    pub subwindow_radius_px: Option<f64>,
+    /// Radius of a sub-window, 2 to 64; with `placement` one to four radii, the smallest first: every point has a
+    /// sub-window of each, so that what is nearer or farther away is known again.
+    #[schema(required = false)]
+    pub subwindow_radius_px: Option<RadiiBody>,
     /// Rows of a polar sub-window.
     #[schema(minimum = 2, maximum = 64)]
     pub rings: Option<usize>,
@@ -74,14 +86,17 @@ pub struct LandmarkOptionsBody {
     /// Dimension of the eigenspace.
     #[schema(minimum = 1, maximum = 256)]
     pub dimension: Option<usize>,
-    /// Nearest eigenpoints that get a vote of each query point.
+    /// Nearest eigenpoints that each sub-window of a frame is matched with; the paper's method has one.
+    #[schema(minimum = 1, maximum = 64)]
     pub neighbours: Option<usize>,
     /// ε of the vote 1/(D+ε).
     pub epsilon: Option<f64>,
     #[schema(required = false)]
     pub per_label: Option<PerLabelWord>,
-    /// Not in this release.
-    pub position_prior_px: Option<f64>,
+    /// Upright: a window is believed to be seen within some such distance of where it was; null: anywhere.
+    #[schema(value_type = Option<f64>, minimum = 1, maximum = 1000)]
+    #[serde(default, deserialize_with = "given")]
+    pub position_prior_px: Option<Option<f64>>,
 }
 
 impl From<&LandmarkOptions> for LandmarkOptionsBody {
@@ -93,7 +108,10 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
             symmetry_radius_px: Some(options.symmetry_radius_px),
             interest_points: Some(options.interest_points),
             query_points: Some(options.query_points),
-            subwindow_radius_px: Some(options.subwindow_radius_px),
+            subwindow_radius_px: Some(match &options.subwindow_radii_px[..] {
+                [one] => RadiiBody::One(*one),
+                several => RadiiBody::Several(several.to_vec()),
+            }),
             rings: Some(options.rings),
             sectors: Some(options.sectors),
             taper: Some(options.taper.into()),
@@ -103,7 +121,7 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
             neighbours: Some(options.neighbours),
             epsilon: Some(options.epsilon),
             per_label: Some(options.per_label.into()),
-            position_prior_px: None,
+            position_prior_px: Some(options.position_prior_px),
         }
     }
 }
@@ -111,40 +129,27 @@ impl From<&LandmarkOptions> for LandmarkOptionsBody {
 /// See [`super::over`].
 pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<LandmarkOptions, Problem> {
     let (body, mut faults) = readable::<LandmarkOptionsBody>("/options", body);
-    let mut later = Vec::new();
-    let mut options = base;
+    let method = body.method.map_or(base.method, Method::from);
+    let viewpoint = body.viewpoint.map_or(base.viewpoint, Viewpoint::from);
+    let mut options = match (method, viewpoint) == (base.method, base.viewpoint) {
+        true => base,
+        false => LandmarkOptions::of(method, viewpoint),
+    };
     macro_rules! take_word {
-        ($($field:ident),+) => {$(
-            match body.$field.map(|word| word.inside()) {
-                Some(Ok(value)) => options.$field = value,
-                Some(Err(())) => later.push(stringify!($field)),
-                None => {}
-            }
-        )+};
+        ($($field:ident),+) => {$( if let Some(word) = body.$field { options.$field = word.into(); } )+};
     }
     macro_rules! take {
         ($($field:ident),+) => {$( if let Some(value) = body.$field { options.$field = value; } )+};
     }
-    take_word!(method, viewpoint, operator, taper, normalise, colour, per_label);
-    take!(symmetry_radius_px, interest_points, query_points, subwindow_radius_px, rings, sectors, dimension);
-    take!(neighbours, epsilon);
-    if body.position_prior_px.is_some() {
-        later.push("position_prior_px");
+    take_word!(operator, taper, normalise, colour, per_label);
+    take!(symmetry_radius_px, interest_points, query_points, rings, sectors, dimension);
+    take!(neighbours, epsilon, position_prior_px);
+    match body.subwindow_radius_px {
+        Some(RadiiBody::One(one)) => options.subwindow_radii_px = vec![one],
+        Some(RadiiBody::Several(several)) => options.subwindow_radii_px = several,
+        None => {}
     }
     faults.extend(fields("/options", options.faults()));
-    let later: Vec<FieldError> = later
-        .into_iter()
-        .map(|name| FieldError {
-            pointer: format!("/options/{name}"),
-            detail: "has a value that this release can't do yet".into(),
-        })
-        .collect();
-    if !later.is_empty() && faults.is_empty() {
-        let text =
-            "this release has method paper, viewpoint free and operator symmetry, and no position prior";
-        return Err(Problem::new(Code::NotYet, text).with_errors(later));
-    }
-    faults.extend(later);
     judge(faults)?;
     Ok(options)
 }
@@ -153,6 +158,7 @@ pub(super) fn over(base: LandmarkOptions, body: &Map<String, Value>) -> Result<L
 mod tests {
     use super::*;
     use crate::http::problem::Code;
+    use serde_json::json;
 
     fn over_default(body: Value) -> Result<LandmarkOptions, Problem> {
         over(LandmarkOptions::default(), body.as_object().unwrap())
@@ -160,7 +166,7 @@ mod tests {
 
     #[test]
     fn every_fault_is_named_at_once() {
-        let body = serde_json::json!({"ringz": 3, "sectors": "many", "epsilon": -1.0, "taper": "flat", "dimension": 8});
+        let body = json!({"ringz": 3, "sectors": "many", "epsilon": -1.0, "taper": "flat", "dimension": 8});
         let problem = over_default(body).unwrap_err();
         let mut at: Vec<&str> = problem.errors.iter().map(|error| error.pointer.as_str()).collect();
         at.sort_unstable();
@@ -171,14 +177,36 @@ mod tests {
     #[test]
     fn what_is_absent_keeps_its_value() {
         let base = LandmarkOptions { interest_points: 16, ..Default::default() };
-        let options = over(base, serde_json::json!({"dimension": 8}).as_object().unwrap()).unwrap();
+        let options = over(base, json!({"dimension": 8}).as_object().unwrap()).unwrap();
         assert_eq!((options.interest_points, options.dimension), (16, 8));
     }
 
     #[test]
-    fn words_still_to_come_are_told_apart_from_mistakes() {
-        let problem = over_default(serde_json::json!({"method": "placement"})).unwrap_err();
-        assert_eq!(problem.code, Code::NotYet);
-        assert_eq!(problem.errors[0].pointer, "/options/method");
+    fn another_method_or_viewpoint_starts_from_its_own_defaults() {
+        let paper = over_default(json!({"method": "paper", "rings": 6})).unwrap();
+        let expected = LandmarkOptions { rings: 6, ..LandmarkOptions::of(Method::Paper, Viewpoint::Free) };
+        assert_eq!(paper, expected);
+        let same = over(paper.clone(), json!({"method": "paper"}).as_object().unwrap()).unwrap();
+        assert_eq!(same, paper, "what is named anew and is no other keeps the rest");
+        let back = json!({"method": "placement", "viewpoint": "upright", "position_prior_px": 30});
+        let upright = over(paper, back.as_object().unwrap()).unwrap();
+        let defaults = LandmarkOptions::of(Method::Placement, Viewpoint::Upright);
+        assert_eq!(upright, LandmarkOptions { position_prior_px: Some(30.0), ..defaults.clone() });
+        let anywhere = json!({"position_prior_px": null});
+        assert_eq!(over(upright, anywhere.as_object().unwrap()).unwrap(), defaults);
+    }
+
+    #[test]
+    fn a_radius_or_several_are_taken_and_shown() {
+        for (given, radii_px) in [(json!(7), vec![7.0]), (json!([6, 9.5]), vec![6.0, 9.5])] {
+            let options = over_default(json!({"subwindow_radius_px": given})).unwrap();
+            assert_eq!(options.subwindow_radii_px, radii_px);
+            let shown = serde_json::to_value(LandmarkOptionsBody::from(&options)).unwrap();
+            assert_eq!(shown["subwindow_radius_px"].is_array(), given.is_array(), "{shown}");
+        }
+        for wrong in [json!([]), json!([9, 6]), json!([1]), json!("wide"), json!([5, 6, 7, 8, 9])] {
+            let problem = over_default(json!({"subwindow_radius_px": wrong})).unwrap_err();
+            assert_eq!(problem.errors[0].pointer, "/options/subwindow_radius_px", "{wrong}");
+        }
     }
 }

@@ -41,8 +41,7 @@ impl From<&Options> for OptionsBody {
 /// The options `base` with those of the body put over them.
 ///
 /// # Errors
-/// One problem that names every unknown, misshapen or conflicting option; 422 `not_yet` when all that is wrong is a
-/// value whose meaning is still to come.
+/// One problem that names every unknown, misshapen or conflicting option.
 pub fn over(base: Options, body: &Map<String, Value>) -> Result<Options, Problem> {
     match base {
         Options::Landmarks(base) => landmarks::over(base, body).map(Options::Landmarks),
@@ -55,6 +54,15 @@ pub fn over(base: Options, body: &Map<String, Value>) -> Result<Options, Problem
 #[serde(rename_all = "snake_case")]
 pub enum AutoWord {
     Auto,
+}
+
+/// A value that is given as null is not an absent one.
+fn given<'de, D, T>(deserializer: D) -> Result<Option<Option<T>>, D::Error>
+where
+    D: serde::Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    Option::deserialize(deserializer).map(Some)
 }
 
 /// What of the members of the object `at` can be read, and a fault for each of the others.
@@ -88,19 +96,15 @@ fn judge(faults: Vec<FieldError>) -> Result<(), Problem> {
 
 /// Options that are words: a type of the wire, and both ways to the one inside.
 macro_rules! words {
-    ($(#[$doc:meta])* $name:ident, $room:ident::$domain:ident, { $($variant:ident),+ } $(, later { $($later:ident),+ })?) => {
+    ($(#[$doc:meta])* $name:ident, $room:ident::$domain:ident, { $($variant:ident),+ }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
         #[serde(rename_all = "snake_case")]
-        pub enum $name { $($variant),+ $(, $($later),+)? }
+        pub enum $name { $($variant),+ }
 
-        impl $name {
-            /// The value inside; an error for a word whose meaning is still to come.
-            pub fn inside(self) -> Result<$room::$domain, ()> {
-                match self {
-                    $(Self::$variant => Ok($room::$domain::$variant),)+
-                    $($(Self::$later => Err(()),)+)?
-                }
+        impl From<$name> for $room::$domain {
+            fn from(word: $name) -> Self {
+                match word { $($name::$variant => Self::$variant),+ }
             }
         }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{AutoWord, fields, judge, readable, words};
+use super::{AutoWord, fields, given, judge, readable, words};
 use crate::http::problem::Problem;
 use crate::recognition::objects::{self, Dimension, ObjectOptions};
 
@@ -70,15 +70,6 @@ pub struct ObjectOptionsBody {
     pub accept: Option<f64>,
 }
 
-/// A value that is given as null is not an absent one.
-fn given<'de, D, T>(deserializer: D) -> Result<Option<Option<T>>, D::Error>
-where
-    D: serde::Deserializer<'de>,
-    T: Deserialize<'de>,
-{
-    Option::deserialize(deserializer).map(Some)
-}
-
 impl From<&ObjectOptions> for ObjectOptionsBody {
     fn from(options: &ObjectOptions) -> Self {
         Self {
@@ -104,7 +95,7 @@ pub(super) fn over(base: ObjectOptions, body: &Map<String, Value>) -> Result<Obj
     let (body, mut faults) = readable::<ObjectOptionsBody>("/options", body);
     let mut options = base;
     macro_rules! take_word {
-        ($($field:ident),+) => {$( if let Some(Ok(value)) = body.$field.map(|word| word.inside()) { options.$field = value; } )+};
+        ($($field:ident),+) => {$( if let Some(word) = body.$field { options.$field = word.into(); } )+};
     }
     macro_rules! take {
         ($($field:ident),+) => {$( if let Some(value) = body.$field { options.$field = value; } )+};

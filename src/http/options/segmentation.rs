@@ -77,8 +77,8 @@ impl SegmentationOptionsBody {
             Some(ThresholdBody::Word(ThresholdWord::Otsu)) => options.threshold = Threshold::Otsu,
             Some(ThresholdBody::Word(ThresholdWord::Adaptive)) | None => {}
         }
-        if let Some(Ok(polarity)) = body.polarity.map(PolarityWord::inside) {
-            options.polarity = polarity;
+        if let Some(polarity) = body.polarity {
+            options.polarity = polarity.into();
         }
         if let Some(most) = body.max_objects {
             options.max_objects = most;

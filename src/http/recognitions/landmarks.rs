@@ -1,4 +1,5 @@
-//! What a database of kind `landmarks` answers: votes, and the points that gave them.
+//! What a database of kind `landmarks` answers: votes, where they say that an exemplar lies, and the points that gave
+//! them.
 
 use std::time::Duration;
 
@@ -7,14 +8,17 @@ use utoipa::ToSchema;
 
 use super::{Answer, DecisionBody, EvidenceBody, StagesBody, Wanted, ms};
 use crate::imaging::Frame;
-use crate::recognition::landmarks::{Landmarks, PointVote, Stage, annotate};
+use crate::recognition::landmarks::{Instance, Landmarks, Placed, PointVote, Stage, annotate};
 
 /// What speaks for the answer of a landmark database.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct LandmarkEvidence {
     /// The evidence, best first.
     pub votes: Vec<VoteBody>,
-    /// Interest points that voted.
+    /// Everything known that is in the frame for sure enough, surest first: several things, or one several times. Empty
+    /// where answers have no confidence, or no placement.
+    pub instances: Vec<InstanceBody>,
+    /// Interest points that were asked: no more than it takes.
     pub points_used: u64,
     /// Interest points in the frame.
     pub points_found: u64,
@@ -31,8 +35,58 @@ pub struct VoteBody {
     pub weight: f64,
     /// Its part of all W.
     pub share: f64,
-    /// Interest points whose vote counted for it.
+    /// Votes that counted for it: of interest points, or with `placement` of their sub-windows.
     pub points: u64,
+    /// Where its exemplar lies; null where matches don't say so, as with the paper's method and upright viewpoints.
+    pub placement: Option<PlacementBody>,
+}
+
+/// An exemplar laid on the frame.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct PlacementBody {
+    /// Where the centre of the exemplar's picture is seen.
+    pub x_px: f32,
+    pub y_px: f32,
+    /// How it is turned, in (-180, 180]; positive from x towards y: clockwise as seen on screen.
+    pub rotation_deg: f32,
+    /// Pixels of the frame for each of the exemplar.
+    pub scale: f32,
+    /// Sub-windows of the frame that agree on it.
+    pub inliers: u64,
+    /// How well the exemplar's gradients are found again in the frame, -1 to 1.
+    pub agreement: f32,
+    /// The corners of the exemplar's picture on the frame, from its top left on clockwise.
+    pub outline_px: [[f32; 2]; 4],
+    /// Id of the exemplar.
+    pub exemplar: String,
+}
+
+/// Something known that is in the frame.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct InstanceBody {
+    pub label: String,
+    /// Probability of being right.
+    pub confidence: f64,
+    pub placement: PlacementBody,
+}
+
+impl PlacementBody {
+    fn of(placed: &Placed, model: &Landmarks) -> Self {
+        let exemplar = &model.exemplars()[placed.exemplar];
+        let placement = &placed.placement;
+        // -π itself, and what rounds to -180, is the same turn as 180
+        let degrees = placement.rotation_rad.to_degrees();
+        Self {
+            x_px: placement.x_px,
+            y_px: placement.y_px,
+            rotation_deg: if degrees <= -180.0 { 180.0 } else { degrees },
+            scale: placement.scale,
+            inliers: placed.inliers as u64,
+            agreement: placed.agreement,
+            outline_px: placement.outline_px(exemplar.width_px, exemplar.height_px),
+            exemplar: exemplar.id.clone(),
+        }
+    }
 }
 
 /// The vote of an interest point.
@@ -41,13 +95,13 @@ pub struct PointBody {
     pub x_px: f32,
     pub y_px: f32,
     pub salience: f32,
-    /// Id of the exemplar with the nearest eigenpoint.
+    /// Id of the exemplar that it votes for, or whose eigenpoint is nearest.
     pub exemplar: String,
     /// Its label.
     pub label: String,
     /// Distance D in the eigenspace.
     pub distance: f64,
-    /// 1/(D+ε), or 0 when another exemplar of the label is the one that counts.
+    /// Its part of W: 0 where it counts for nothing; with the paper's method 1/(D+ε).
     pub weight: f64,
 }
 
@@ -61,6 +115,8 @@ pub struct LandmarkStages {
     /// Projection and nearest eigenpoints.
     pub search: f64,
     pub vote: f64,
+    /// Laying exemplars on the frame.
+    pub verification: f64,
 }
 
 fn place(stage: Stage) -> usize {
@@ -69,6 +125,7 @@ fn place(stage: Stage) -> usize {
         Stage::Signature => 1,
         Stage::Search => 2,
         Stage::Vote => 3,
+        Stage::Verification => 4,
     }
 }
 
@@ -79,9 +136,11 @@ pub(super) fn answer(
     wanted: Wanted,
     mut lap: impl FnMut() -> Duration,
 ) -> Answer {
-    let mut clocked = ["attention", "signature", "search", "vote"].map(|stage| (stage, Duration::ZERO));
-    let recognition = model.recognise(frame, |stage| clocked[place(stage)].1 = lap());
-    let [attention, signature, search, vote] = clocked.map(|(_, took)| ms(took));
+    let stages = ["attention", "signature", "search", "vote", "verification"];
+    let mut clocked = stages.map(|stage| (stage, Duration::ZERO));
+    // points are asked in batches: a stage may come several times
+    let recognition = model.recognise(frame, |stage| clocked[place(stage)].1 += lap());
+    let [attention, signature, search, vote, verification] = clocked.map(|(_, took)| ms(took));
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {
@@ -99,19 +158,28 @@ pub(super) fn answer(
         weight: vote.weight,
         share: vote.share,
         points: vote.points as u64,
+        placement: vote.placement.as_ref().map(|placed| PlacementBody::of(placed, model)),
     });
-    let best = recognition.votes.first();
+    let instance = |instance: &Instance| InstanceBody {
+        label: instance.label.clone(),
+        confidence: instance.confidence,
+        placement: PlacementBody::of(&instance.placed, model),
+    };
+    let decision = recognition.decision.as_ref();
     Answer {
-        decision: best.map(|best| DecisionBody { label: best.label.clone(), confidence: None }),
+        decision: decision
+            .map(|decision| DecisionBody { label: decision.label.clone(), confidence: decision.confidence }),
         warnings: recognition.warnings.iter().map(|warning| warning.code()).collect(),
         evidence: EvidenceBody::Landmarks(LandmarkEvidence {
             votes: votes.collect(),
+            instances: recognition.instances.iter().map(instance).collect(),
             points_used: recognition.points_used as u64,
             points_found: recognition.points_found as u64,
             points: wanted.explain.then(|| recognition.points.iter().map(point).collect()),
         }),
-        stages: StagesBody::Landmarks(LandmarkStages { attention, signature, search, vote }),
+        stages: StagesBody::Landmarks(LandmarkStages { attention, signature, search, vote, verification }),
         clocked: clocked.into(),
         annotated: wanted.annotated.then(|| annotate(frame, &recognition, model).into_png()),
+        exemplar_weights: recognition.exemplar_weights,
     }
 }

@@ -66,11 +66,11 @@ pub struct RecognitionBody {
     /// Its digest: the same frame and digest give the same answer.
     pub digest: String,
     pub header: HeaderEcho,
-    /// What to act on; null when nothing is recognised.
+    /// What to act on; null when nothing is recognised, or not for sure enough.
     pub decision: Option<DecisionBody>,
-    /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `few_interest_points`, `gray_frame`. Objects:
-    /// `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`, `close_second`, `not_calibrated`; with `segment`
-    /// also `no_region`, `touches_border`, `several_regions`.
+    /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `too_few_points`, `votes_on_background`,
+    /// `close_second`, `gray_frame`. Objects: `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`,
+    /// `close_second`, `not_calibrated`; with `segment` also `no_region`, `touches_border`, `several_regions`.
     pub warnings: Vec<&'static str>,
     pub timings_ms: TimingsBody,
     #[serde(flatten)]
@@ -138,17 +138,18 @@ pub struct ImagesForm {
 
 /// How much of an answer is wanted.
 #[derive(Clone, Copy)]
-struct Wanted {
-    top: usize,
+pub(super) struct Wanted {
+    pub top: usize,
     explain: bool,
     annotated: bool,
 }
 
-impl RecognitionQuery {
-    fn wanted(&self, annotated: bool) -> Result<Wanted, Problem> {
-        let explain = self.explain.unwrap_or(false);
-        match self.top.unwrap_or(DEFAULT_TOP) {
-            top @ 1..=MAX_TOP => Ok(Wanted { top, explain, annotated }),
+impl Wanted {
+    /// As a query says it, without a drawing.
+    pub fn of(top: Option<usize>, explain: Option<bool>) -> Result<Self, Problem> {
+        let explain = explain.unwrap_or(false);
+        match top.unwrap_or(DEFAULT_TOP) {
+            top @ 1..=MAX_TOP => Ok(Self { top, explain, annotated: false }),
             other => Err(Problem::field("#top", format!("{other} is not between 1 and {MAX_TOP}"))),
         }
     }
@@ -164,10 +165,12 @@ struct Answer {
     clocked: Vec<(&'static str, Duration)>,
     /// The frame as PNG with the evidence drawn on it, if that is wanted.
     annotated: Option<Vec<u8>>,
+    /// W of every exemplar of landmarks, in the model's order.
+    exemplar_weights: Vec<f64>,
 }
 
 /// An answer with the time that went before it.
-struct Recognised {
+pub(super) struct Recognised {
     answer: Answer,
     queue: Duration,
     decode: Duration,
@@ -222,21 +225,27 @@ impl Service {
         }
     }
 
-    async fn recognise(
+    /// Decode and recognise on a computing thread. There `add` is given the picture's bytes and W of every exemplar.
+    pub(super) async fn recognise<T: Send + 'static>(
         &self,
         version: &Arc<LoadedVersion>,
         picture: Picture,
         wanted: Wanted,
-    ) -> Result<Recognised, Problem> {
+        add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
+    ) -> Result<(Recognised, T), Problem> {
         let (version, limits) = (Arc::clone(version), self.decode);
         let memory = picture.working_bytes;
-        let work = move || recognise(&picture, &limits, &version.model, wanted);
+        let work = move || {
+            let (answer, decode) = recognise(&picture, &limits, &version.model, wanted)?;
+            let added = add(&picture.bytes, &answer.exemplar_weights);
+            Ok::<_, Problem>((answer, decode, added))
+        };
         let (recognised, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let (answer, decode) = recognised?;
+        let (answer, decode, added) = recognised?;
         self.metrics.stage(Work::Recognition, "queue", queue);
         self.metrics.stage(Work::Recognition, "decode", decode);
         answer.clocked.iter().for_each(|(stage, took)| self.metrics.stage(Work::Recognition, stage, *took));
-        Ok(Recognised { answer, queue, decode })
+        Ok((Recognised { answer, queue, decode }, added))
     }
 }
 
@@ -251,7 +260,11 @@ pub(super) fn drawn(version: &LoadedVersion, png: Vec<u8>) -> Response {
     (headers, png).into_response()
 }
 
-fn render(version: &LoadedVersion, header: FrameHeader, recognised: Recognised) -> RecognitionBody {
+pub(super) fn render(
+    version: &LoadedVersion,
+    header: FrameHeader,
+    recognised: Recognised,
+) -> RecognitionBody {
     let Recognised { answer, queue, decode } = recognised;
     RecognitionBody {
         database: version.database.clone(),
@@ -296,9 +309,9 @@ pub async fn post(
     OnePicture(picture): OnePicture,
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png"])?;
-    let wanted = query.wanted(given == "image/png")?;
+    let wanted = Wanted { annotated: given == "image/png", ..Wanted::of(query.top, query.explain)? };
     let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
-    let mut recognised = service.recognise(&version, picture, wanted).await?;
+    let (mut recognised, ()) = service.recognise(&version, picture, wanted, |_, _| ()).await?;
     let mut response = match recognised.answer.annotated.take() {
         Some(png) => drawn(&version, png),
         None => Json(render(&version, header, recognised)).into_response(),
@@ -322,7 +335,7 @@ pub async fn post_batch(
     RobotHeader(header): RobotHeader,
     request: Request,
 ) -> Result<Json<RecognitionBatch>, Problem> {
-    let wanted = query.wanted(false)?;
+    let wanted = Wanted::of(query.top, query.explain)?;
     let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
     let limits = &service.limits;
     let mut form = Form::of(request, &service, limits.max_batch_bytes, limits.max_body_bytes).await?;
@@ -340,7 +353,7 @@ pub async fn post_batch(
         let (service, version, header) = (&service, &version, header.clone());
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
-            let recognised = service.recognise(version, picture, wanted).await?;
+            let (recognised, ()) = service.recognise(version, picture, wanted, |_, _| ()).await?;
             Ok(render(version, header, recognised))
         });
         if running.len() >= most_running

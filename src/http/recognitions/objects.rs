@@ -122,5 +122,6 @@ pub(super) fn answer(
         stages: StagesBody::Objects(ObjectStages { appearance, universal, object }),
         clocked: clocked.into(),
         annotated: wanted.annotated.then(|| annotate(frame, &recognition).into_png()),
+        exemplar_weights: Vec::new(),
     })
 }

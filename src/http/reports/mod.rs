@@ -15,14 +15,14 @@ use crate::database::{Report, ReportTimings};
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum ReportBody {
-    Landmarks(LandmarkReportBody),
+    Landmarks(Box<LandmarkReportBody>),
     Objects(Box<ObjectsReportBody>),
 }
 
 impl From<Report> for ReportBody {
     fn from(report: Report) -> Self {
         match report {
-            Report::Landmarks(report) => Self::Landmarks(report.into()),
+            Report::Landmarks(report) => Self::Landmarks(Box::new((*report).into())),
             Report::Objects(report) => Self::Objects(Box::new((*report).into())),
         }
     }
@@ -35,10 +35,12 @@ pub struct TrainingTimings {
     pub describe: f64,
     /// Eigenspace, index and artifact.
     pub eigenspace: f64,
+    /// Asking the new version about its exemplars seen otherwise; null where that isn't done.
+    pub rehearsal: Option<f64>,
 }
 
 impl From<ReportTimings> for TrainingTimings {
     fn from(timings: ReportTimings) -> Self {
-        Self { describe: timings.describe, eigenspace: timings.eigenspace }
+        Self { describe: timings.describe, eigenspace: timings.eigenspace, rehearsal: timings.rehearsal }
     }
 }

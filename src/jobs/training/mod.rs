@@ -4,9 +4,11 @@
 //! The order of the writes is the protocol: the artifact's blob, read back and checked; then, in one transaction,
 //! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
 
+mod gate;
 mod landmarks;
 mod objects;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -18,11 +20,12 @@ use super::runner::{Lease, Stop};
 use crate::compute::{Compute, Lane};
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
-    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, Model, Options,
-    Report, ReportTimings, inputs_digest,
+    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, LoadedVersion,
+    Model, Options, Report, ReportTimings, inputs_digest,
 };
 use crate::imaging::{self, DecodeLimits, Frame};
 use crate::store::CatalogueError;
+pub use gate::VersionComparison;
 pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.
@@ -33,6 +36,8 @@ pub(super) const KIND: &str = "training";
 #[serde(rename_all = "snake_case")]
 pub enum Promote {
     Always,
+    /// Unless it is worse than the version that `current` points to, beyond chance.
+    IfNotWorse,
     Never,
 }
 
@@ -83,18 +88,20 @@ pub(super) async fn run(
         detail: format!("the database is of kind {}: this release can't train it", database.kind),
     })?;
     let params = TrainingParams::from_document(kind, &job.params)?;
-    let promote = (params.promote == Promote::Always).then_some(CURRENT);
     let exemplars = databases.catalogue.training_set(name).await?;
     if exemplars.is_empty() {
         let detail = "the database has no exemplars: post some, then train".into();
         return Err(Stop::Failed { code: "no_exemplars", detail });
     }
     let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
+    let worker = Worker { lease, databases, compute, decode };
     if let Some(found) = databases.catalogue.version_by_digest(name, &digest).await? {
-        match databases.registry().check(name, &digest, &found.blob).await {
-            Ok(()) => {
+        match databases.registry().load(name, found.version, &digest, &found.blob).await {
+            Ok(version) => {
+                let (alias, comparison) = worker.promotion(params.promote, name, version, &exemplars).await?;
+                let (version, comparison) = (Some(found.version), comparison.as_deref());
                 let _publishing = lease.publishing().await;
-                databases.catalogue.succeed_job(lease.id, lease.token, Some(found.version), promote).await?;
+                databases.catalogue.succeed_job(lease.id, lease.token, version, alias, comparison).await?;
                 announce(databases).await;
                 return Ok(found.version);
             }
@@ -106,10 +113,10 @@ pub(super) async fn run(
         }
     }
 
-    let worker = Worker { lease, databases, compute, decode };
+    let rows = exemplars.clone();
     let (trained, timings) = match params.options {
-        Options::Landmarks(options) => landmarks::train(worker, exemplars, options).await?,
-        Options::Objects(options) => objects::train(worker, exemplars, options).await?,
+        Options::Landmarks(options) => landmarks::train(&worker, rows, options).await?,
+        Options::Objects(options) => objects::train(&worker, rows, options).await?,
     };
     let started = Instant::now();
     let write = move || trained.into_artifact(digest);
@@ -119,13 +126,19 @@ pub(super) async fn run(
     lease.progress("publishing", 0, 1).await?;
     let mut new = databases.keep_artifact(name, &artifact, bytes).await?;
     new.report = artifact.report.timed(ReportTimings { eigenspace, ..timings }).to_document();
-    databases.registry().check(name, &new.digest, &new.blob).await?;
+    let candidate = databases.registry().load(name, 0, &new.digest, &new.blob).await?;
+    let (alias, comparison) = worker.promotion(params.promote, name, candidate, &exemplars).await?;
     lease.go_on()?;
     let _publishing = lease.publishing().await;
-    let version = databases.catalogue.publish(lease.id, lease.token, &new, promote).await?;
+    let published =
+        databases.catalogue.publish(lease.id, lease.token, &new, alias, comparison.as_deref()).await;
+    let version = published?;
     announce(databases).await;
     Ok(version.version)
 }
+
+/// Pictures of the exemplar's size, with what recognition needs, that a piece of a training's work holds at most.
+const PICTURES_AT_ONCE: u64 = 4;
 
 /// Longest that readers of jobs are kept waiting for a version to be served.
 const ANNOUNCE_PATIENCE: Duration = Duration::from_secs(5);
@@ -166,37 +179,71 @@ struct Worker<'a> {
     decode: &'a DecodeLimits,
 }
 
+/// The exemplars of these ids, all of them once in every round, and how many they are in each.
+fn rounds_of(ids: &[&str], rounds: u64, exemplars: &[ExemplarRow]) -> (Vec<ExemplarRow>, usize) {
+    let by_id: HashMap<String, &ExemplarRow> =
+        exemplars.iter().map(|row| (row.id.to_string(), row)).collect();
+    let chosen: Vec<&ExemplarRow> = ids.iter().filter_map(|&id| by_id.get(id).copied()).collect();
+    let rows = (0..rounds).flat_map(|_| chosen.iter().map(|&row| row.clone())).collect();
+    (rows, chosen.len())
+}
+
 impl Worker<'_> {
-    /// What `describe` makes of each exemplar by itself, in the exemplars' order, and the milliseconds that it took;
-    /// several at once on the training lane.
-    async fn described<T, F>(&self, exemplars: Vec<ExemplarRow>, describe: F) -> Result<(Vec<T>, f64), Stop>
+    /// The alias that moves to a version, and how that version did beside the one in use where that is asked for.
+    async fn promotion(
+        &self,
+        promote: Promote,
+        database: &str,
+        candidate: Arc<LoadedVersion>,
+        exemplars: &[ExemplarRow],
+    ) -> Result<(Option<&'static str>, Option<String>), Stop> {
+        match promote {
+            Promote::Always => Ok((Some(CURRENT), None)),
+            Promote::Never => Ok((None, None)),
+            Promote::IfNotWorse => {
+                let compared = gate::compare(self, database, candidate, exemplars).await?;
+                Ok((compared.promoted.then_some(CURRENT), Some(compared.to_document())))
+            }
+        }
+    }
+
+    /// What `work` makes of each exemplar by itself, in the exemplars' order, and the milliseconds that it took;
+    /// several at once on the training lane. It is told the exemplar's place among them.
+    async fn each<T, F>(
+        &self,
+        stage: &str,
+        exemplars: Vec<ExemplarRow>,
+        work: F,
+    ) -> Result<(Vec<T>, f64), Stop>
     where
         T: Send + 'static,
-        F: Fn(&ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
+        F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
     {
         let started = Instant::now();
-        let (total, describe) = (exemplars.len() as u64, Arc::new(describe));
-        let described = stream::iter(exemplars)
-            .map(|row| self.described_one(row, Arc::clone(&describe)))
+        let (total, work) = (exemplars.len() as u64, Arc::new(work));
+        let made = stream::iter(exemplars.into_iter().enumerate())
+            .map(|(place, row)| self.one(place, row, Arc::clone(&work)))
             .buffered(self.compute.threads(Lane::Training))
             .enumerate()
-            .then(|(done, described)| async move {
-                self.lease.progress("describing", done as u64, total).await?;
-                described
+            .then(|(done, made)| async move {
+                self.lease.progress(stage, done as u64, total).await?;
+                made
             })
             .try_collect()
             .await?;
-        Ok((described, started.elapsed().as_secs_f64() * 1e3))
+        Ok((made, started.elapsed().as_secs_f64() * 1e3))
     }
 
-    async fn described_one<T, F>(&self, row: ExemplarRow, describe: Arc<F>) -> Result<T, Stop>
+    async fn one<T, F>(&self, place: usize, row: ExemplarRow, work: Arc<F>) -> Result<T, Stop>
     where
         T: Send + 'static,
-        F: Fn(&ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
+        F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
     {
         let bytes = self.databases.exemplar_bytes(&row).await?;
         let limits = *self.decode;
-        let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| header.working_bytes());
+        // rehearsals are drawn beside the picture, some at a time
+        let memory = imaging::read_header(&bytes, &limits)
+            .map_or(0, |header| PICTURES_AT_ONCE * header.working_bytes());
         let work = move || {
             let frame = imaging::decode(&bytes, &limits).map_err(|error| Stop::Failed {
                 code: "unreadable_exemplar",
@@ -206,19 +253,20 @@ impl Worker<'_> {
                     crate::telemetry::chain(&error)
                 ),
             })?;
-            describe(&row, &frame)
+            work(place, &row, &frame)
         };
         self.compute.run(Lane::Training, memory, work).await.map_err(DatabaseError::from)?.0
     }
 
-    /// What `fit` makes of all that was described, on one thread, and the milliseconds that it took.
-    async fn fitted(
+    /// The value of `work`, done on one thread, and the milliseconds that it took.
+    async fn alone<T: Send + 'static>(
         &self,
-        fit: impl FnOnce() -> Result<Trained, Stop> + Send + 'static,
-    ) -> Result<(Trained, f64), Stop> {
-        self.lease.progress("eigenspace", 0, 1).await?;
+        stage: &str,
+        work: impl FnOnce() -> Result<T, Stop> + Send + 'static,
+    ) -> Result<(T, f64), Stop> {
+        self.lease.progress(stage, 0, 1).await?;
         let started = Instant::now();
-        let (fitted, _) = self.compute.run(Lane::Training, 0, fit).await.map_err(DatabaseError::from)?;
-        Ok((fitted?, started.elapsed().as_secs_f64() * 1e3))
+        let (made, _) = self.compute.run(Lane::Training, 0, work).await.map_err(DatabaseError::from)?;
+        Ok((made?, started.elapsed().as_secs_f64() * 1e3))
     }
 }

@@ -117,7 +117,7 @@ impl From<TrainingError> for Stop {
 
 /// Train the exemplars, with the time that it took.
 pub(super) async fn train(
-    worker: Worker<'_>,
+    worker: &Worker<'_>,
     exemplars: Vec<ExemplarRow>,
     options: ObjectOptions,
 ) -> Result<(Trained, ReportTimings), Stop> {
@@ -127,7 +127,7 @@ pub(super) async fn train(
     let commonest_px = common_size(exemplars.iter().map(size_px)).ok_or(UnfitExemplars::TooFew)?;
     let canvas = Canvas::new(&options, commonest_px);
     let on = canvas.clone();
-    let described = worker.described(exemplars, move |row, frame| {
+    let described = worker.each("describing", exemplars, move |_, row, frame| {
         let appearance = on.appearance(frame).map_err(|error| Stop::Failed {
             code: "image_size_mismatch",
             detail: format!("exemplar {}: {error}; delete it, or train with resize fit", row.id),
@@ -143,10 +143,10 @@ pub(super) async fn train(
             interest_points: 0,
         };
         let report = Report::Objects(Box::new(ObjectsReport::from(&report)));
-        Ok(Trained { model: Model::Objects(model), report, counts })
+        Ok(Trained { model: Model::Objects(Box::new(model)), report, counts })
     };
-    let (trained, eigenspace_ms) = worker.fitted(fit).await?;
-    Ok((trained, ReportTimings { describe: describe_ms, eigenspace: eigenspace_ms }))
+    let (trained, eigenspace_ms) = worker.alone("eigenspace", fit).await?;
+    Ok((trained, ReportTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: None }))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use crate::store::{CatalogueError, JobEventRow, JobFilter, JobRow, JobState, Pro
 pub struct Outcome<'a> {
     pub version: Option<i64>,
     pub problem: Option<&'a str>,
+    pub comparison: Option<&'a str>,
 }
 
 fn read(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
@@ -37,6 +38,7 @@ fn read(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         attempts: unsigned(row, "attempts")?,
         version: row.try_get("version")?,
         problem: row.try_get("problem")?,
+        comparison: row.try_get("comparison")?,
         created_at: time(row, "created_at")?,
         started_at: optional_time(row, "started_at")?,
         finished_at: optional_time(row, "finished_at")?,
@@ -76,11 +78,11 @@ fn lease_end_us(lease: Duration) -> i64 {
 async fn append_event(connection: &mut SqliteConnection, id: &str) -> Result<(), CatalogueError> {
     sqlx::query(
         "INSERT INTO job_events (job, sequence, at, state, progress_stage, progress_done, progress_total, token,
-                                 owner, lease_until, cancel_requested, attempts, version, problem, started_at,
-                                 finished_at)
+                                 owner, lease_until, cancel_requested, attempts, version, problem, comparison,
+                                 started_at, finished_at)
          SELECT id, (SELECT coalesce(max(sequence), 0) + 1 FROM job_events WHERE job = ?1), ?2, state,
                 progress_stage, progress_done, progress_total, token, owner, lease_until, cancel_requested,
-                attempts, version, problem, started_at, finished_at
+                attempts, version, problem, comparison, started_at, finished_at
          FROM jobs WHERE id = ?1",
     )
     .bind(id)
@@ -250,7 +252,8 @@ async fn end(
 ) -> Result<JobRow, CatalogueError> {
     let id = id.to_string();
     let row = sqlx::query(
-        "UPDATE jobs SET state = ?2, version = ?3, problem = ?4, lease_until = NULL, finished_at = ?5
+        "UPDATE jobs SET state = ?2, version = ?3, problem = ?4, comparison = ?6, lease_until = NULL,
+                         finished_at = ?5
          WHERE id = ?1 RETURNING *",
     )
     .bind(&id)
@@ -258,6 +261,7 @@ async fn end(
     .bind(outcome.version)
     .bind(outcome.problem)
     .bind(now_us())
+    .bind(outcome.comparison)
     .fetch_one(&mut *connection)
     .await?;
     append_event(connection, &id).await?;

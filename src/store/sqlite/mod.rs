@@ -405,6 +405,7 @@ impl Catalogue for SqliteCatalogue {
         token: i64,
         new: &NewVersion,
         promote_alias: Option<&str>,
+        comparison: Option<&str>,
     ) -> Result<VersionRow, CatalogueError> {
         let mut transaction = self.write().await?;
         jobs::held_and_wanted(&mut transaction, id, token).await?;
@@ -413,7 +414,7 @@ impl Catalogue for SqliteCatalogue {
             aliases::set(&mut transaction, &new.database, alias, version.version, AliasExpectation::Any)
                 .await?;
         }
-        let outcome = Outcome { version: Some(version.version), problem: None };
+        let outcome = Outcome { version: Some(version.version), comparison, ..Outcome::default() };
         jobs::finish(&mut transaction, id, token, JobState::Succeeded, outcome).await?;
         transaction.commit().await?;
         Ok(version)
@@ -425,10 +426,11 @@ impl Catalogue for SqliteCatalogue {
         token: i64,
         version: Option<i64>,
         promote_alias: Option<&str>,
+        comparison: Option<&str>,
     ) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
         jobs::held_and_wanted(&mut transaction, id, token).await?;
-        let outcome = Outcome { version, problem: None };
+        let outcome = Outcome { version, comparison, ..Outcome::default() };
         let job = jobs::finish(&mut transaction, id, token, JobState::Succeeded, outcome).await?;
         if let Some(version) = version {
             let database = job.database.as_deref().unwrap_or_default();
@@ -445,7 +447,7 @@ impl Catalogue for SqliteCatalogue {
 
     async fn fail_job(&self, id: Uuid, token: i64, problem: &str) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
-        let outcome = Outcome { version: None, problem: Some(problem) };
+        let outcome = Outcome { problem: Some(problem), ..Outcome::default() };
         let job = jobs::finish(&mut transaction, id, token, JobState::Failed, outcome).await?;
         transaction.commit().await?;
         Ok(job)

@@ -63,7 +63,8 @@ pub async fn deleting_a_database_takes_all_it_holds_and_ends_its_jobs(catalogue:
     let counts = catalogue.database_counts("lab").await.unwrap();
     assert_eq!(counts, DatabaseCounts { exemplars: 0, labels: 0, versions: 0 });
     assert_eq!(catalogue.aliases("lab").await.unwrap(), []);
-    let lost = catalogue.publish(running.id, running.token, &artifact("lab", "d2"), None).await.unwrap_err();
+    let lost =
+        catalogue.publish(running.id, running.token, &artifact("lab", "d2"), None, None).await.unwrap_err();
     assert!(matches!(lost, CatalogueError::LeaseLost), "{lost:?}");
     let counts = catalogue.database_counts("kept").await.unwrap();
     assert_eq!(counts, DatabaseCounts { exemplars: 1, labels: 1, versions: 1 });

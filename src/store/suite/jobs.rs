@@ -64,8 +64,8 @@ pub async fn a_worker_that_lost_its_lease_can_finish_nothing(catalogue: Shared) 
     let progress = Progress { stage: "eigen".to_owned(), done: 1, total: 2 };
     let lost = [
         catalogue.renew_job(id, slow.token, LEASE, Some(&progress)).await.map(drop),
-        catalogue.publish(id, slow.token, &new, Some("current")).await.map(drop),
-        catalogue.succeed_job(id, slow.token, None, None).await.map(drop),
+        catalogue.publish(id, slow.token, &new, Some("current"), None).await.map(drop),
+        catalogue.succeed_job(id, slow.token, None, None, None).await.map(drop),
         catalogue.fail_job(id, slow.token, "{}").await.map(drop),
         catalogue.cancelled_job(id, slow.token).await.map(drop),
     ];
@@ -78,7 +78,7 @@ pub async fn a_worker_that_lost_its_lease_can_finish_nothing(catalogue: Shared) 
     assert_eq!(catalogue.aliases("lab").await.unwrap(), []);
 
     // The holder finishes; after that its token is worth nothing either.
-    catalogue.publish(id, quick.token, &artifact("lab", "fresh"), None).await.unwrap();
+    catalogue.publish(id, quick.token, &artifact("lab", "fresh"), None, None).await.unwrap();
     let late = catalogue.fail_job(id, quick.token, "{}").await.unwrap_err();
     assert!(matches!(late, CatalogueError::LeaseLost), "{late:?}");
     assert_eq!(catalogue.job(id).await.unwrap().unwrap().state, JobState::Succeeded);
@@ -139,7 +139,8 @@ pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) 
     catalogue.set_alias("lab", "current", 1, AliasExpectation::Any).await.unwrap();
     let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
-    let version = catalogue.publish(id, job.token, &artifact("lab", "d2"), Some("current")).await.unwrap();
+    let version =
+        catalogue.publish(id, job.token, &artifact("lab", "d2"), Some("current"), None).await.unwrap();
     assert_eq!(version.version, 2);
     let aliases = catalogue.aliases("lab").await.unwrap();
     assert_eq!(aliases.iter().map(|row| row.version).collect::<Vec<_>>(), [2]);
@@ -147,11 +148,23 @@ pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) 
     assert_eq!((done.state, done.version, done.lease_until), (JobState::Succeeded, Some(2), None));
     assert!(done.finished_at >= done.started_at);
 
-    // Not promoted: the alias stays.
-    catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
-    let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
-    catalogue.publish(job.id, job.token, &artifact("lab", "d3"), None).await.unwrap();
-    assert_eq!(catalogue.aliases("lab").await.unwrap(), aliases);
+    // Not promoted: the alias stays, and what came of comparing is kept with the job and its last event.
+    for version in [None, Some(1)] {
+        catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
+        let compared = Some(r#"{"trials":7}"#);
+        match version {
+            None => {
+                catalogue.publish(job.id, job.token, &artifact("lab", "d3"), None, compared).await.map(drop)
+            }
+            found => catalogue.succeed_job(job.id, job.token, found, None, compared).await.map(drop),
+        }
+        .unwrap();
+        assert_eq!(catalogue.aliases("lab").await.unwrap(), aliases);
+        let job = catalogue.job(job.id).await.unwrap().unwrap();
+        assert_eq!(job.comparison.as_deref(), compared);
+        assert_eq!(catalogue.job_events(job.id, 0).await.unwrap().pop().unwrap().body, job);
+    }
 }
 
 pub async fn a_publish_that_fails_changes_nothing(catalogue: Shared) {
@@ -159,15 +172,18 @@ pub async fn a_publish_that_fails_changes_nothing(catalogue: Shared) {
     let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let refused =
-        catalogue.publish(id, job.token, &artifact("gone", "d1"), Some("current")).await.unwrap_err();
+        catalogue.publish(id, job.token, &artifact("gone", "d1"), Some("current"), None).await.unwrap_err();
     assert!(matches!(refused, CatalogueError::NotFound { .. }), "{refused:?}");
     // Here the job's end was already written when the version turned out to be missing.
-    let refused = catalogue.succeed_job(id, job.token, Some(9), Some("current")).await.unwrap_err();
+    let refused = catalogue.succeed_job(id, job.token, Some(9), Some("current"), None).await.unwrap_err();
     assert!(matches!(refused, CatalogueError::NotFound { .. }), "{refused:?}");
     assert_eq!(catalogue.job(id).await.unwrap(), Some(job.clone()));
     assert_eq!(catalogue.job_events(id, 0).await.unwrap().len(), 2);
     // The lease is still good.
-    assert_eq!(catalogue.publish(id, job.token, &artifact("lab", "d1"), None).await.unwrap().version, 1);
+    assert_eq!(
+        catalogue.publish(id, job.token, &artifact("lab", "d1"), None, None).await.unwrap().version,
+        1
+    );
 }
 
 pub async fn concurrent_publishes_of_one_digest_give_one_version(catalogue: Shared) {
@@ -179,9 +195,9 @@ pub async fn concurrent_publishes_of_one_digest_give_one_version(catalogue: Shar
     }
     let tasks = jobs.iter().map(|job| {
         let (catalogue, id, token) = (catalogue.clone(), job.id, job.token);
-        tokio::spawn(
-            async move { catalogue.publish(id, token, &artifact("lab", "same"), Some("current")).await },
-        )
+        tokio::spawn(async move {
+            catalogue.publish(id, token, &artifact("lab", "same"), Some("current"), None).await
+        })
     });
     for published in join_all(tasks).await {
         assert_eq!(published.unwrap().unwrap().version, 1);
@@ -198,7 +214,7 @@ pub async fn a_job_succeeds_with_a_version_that_was_there(catalogue: Shared) {
     catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
     catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
-    let done = catalogue.succeed_job(job.id, job.token, Some(1), Some("current")).await.unwrap();
+    let done = catalogue.succeed_job(job.id, job.token, Some(1), Some("current"), None).await.unwrap();
     assert_eq!((done.state, done.version), (JobState::Succeeded, Some(1)));
     assert_eq!(catalogue.job(job.id).await.unwrap(), Some(done));
     assert_eq!(catalogue.aliases("lab").await.unwrap()[0].version, 1);
@@ -255,7 +271,7 @@ pub async fn every_change_of_state_or_progress_is_an_event(catalogue: Shared) {
         catalogue.renew_job(id, job.token, LEASE, progress.as_ref()).await.unwrap();
         assert!(catalogue.job(id).await.unwrap().unwrap().lease_until > renewed_from);
     }
-    let published = catalogue.publish(id, job.token, &artifact("lab", "d1"), None).await.unwrap();
+    let published = catalogue.publish(id, job.token, &artifact("lab", "d1"), None, None).await.unwrap();
 
     let events = catalogue.job_events(id, 0).await.unwrap();
     let told: Vec<_> = events

@@ -1,0 +1,256 @@
+//! The tracks that are live in this process: where each robot is believed to be, and when its track is gone.
+//!
+//! A track is an immutable value; each of its frames puts another in its place. The one lock is held to look and to put,
+//! never while a frame is worked on.
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Bound;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+use tokio::sync::{OwnedMutexGuard, Semaphore, SemaphorePermit};
+use uuid::Uuid;
+
+use super::super::problem::{Code, Problem};
+use super::MotionWord;
+use crate::config::Limits;
+use crate::database::{FrameHeader, Name};
+use crate::recognition::landmarks::{Belief, ExemplarName};
+
+/// Frames of one track that may wait for those before them: a second's worth of a slow camera. A robot that sends faster
+/// than it is answered must drop frames, not pile them up.
+const MOST_WAITING: usize = 8;
+
+/// What a robot's frames so far amount to.
+#[derive(Clone)]
+pub struct Track {
+    pub id: Uuid,
+    pub database: Name,
+    /// Whose version answers; `current` if it is none.
+    pub alias: Option<Name>,
+    /// What was asked for.
+    pub motion: MotionWord,
+    /// A path was wanted, and the order of the exemplars isn't known.
+    pub is_out_of_order: bool,
+    /// The version that the belief is about, its digest and its exemplars.
+    pub version: i64,
+    pub digest: String,
+    pub exemplars: Arc<[ExemplarName]>,
+    pub belief: Belief,
+    /// Frames that were counted.
+    pub frames: u64,
+    /// The last frame, if it had an id.
+    pub last: Option<FrameMark>,
+    pub created_at: Timestamp,
+    /// When its last frame was answered.
+    pub used_at: Timestamp,
+}
+
+/// What tells a frame from the others of its track: the robot's header and the sum of its picture.
+#[derive(Clone, PartialEq, Eq)]
+pub struct FrameMark {
+    header: FrameHeader,
+    sum: u64,
+}
+
+impl Track {
+    /// The same after a frame with those bytes and W of every exemplar, and whether the frame was counted: the last one
+    /// sent again is not. A frame without an id is never taken for a repeat.
+    pub fn after(mut self, header: FrameHeader, bytes: &[u8], weights: &[f64]) -> (Self, bool) {
+        let mark = header.frame_id.is_some().then(|| {
+            let mut hasher = DefaultHasher::new();
+            bytes.hash(&mut hasher);
+            FrameMark { header, sum: hasher.finish() }
+        });
+        let is_repeat = mark.is_some() && mark == self.last;
+        if !is_repeat {
+            self.belief.add(weights);
+            self.frames += 1;
+            self.last = mark;
+        }
+        self.used_at = Timestamp::now();
+        (self, !is_repeat)
+    }
+
+    /// Memory held.
+    fn bytes(&self) -> u64 {
+        let name = |name: &ExemplarName| size_of::<ExemplarName>() + name.id.len() + name.label.len();
+        let exemplars: usize = self.exemplars.iter().map(name).sum();
+        (size_of::<Self>() + self.belief.bytes() + exemplars) as u64
+    }
+}
+
+/// Whose turn it is among the frames of a track: first come, first served.
+#[derive(Clone)]
+pub struct Turns {
+    waiting: Arc<Semaphore>,
+    turn: Arc<tokio::sync::Mutex<()>>,
+}
+
+/// A frame's turn, for as long as it is held.
+pub struct Turn<'a> {
+    _place: SemaphorePermit<'a>,
+    _turn: OwnedMutexGuard<()>,
+}
+
+impl Turns {
+    fn new() -> Self {
+        Self { waiting: Arc::new(Semaphore::new(1 + MOST_WAITING)), turn: Arc::default() }
+    }
+
+    /// Wait until the frames that came before are answered.
+    ///
+    /// # Errors
+    /// 503 when too many wait already.
+    pub async fn take(&self) -> Result<Turn<'_>, Problem> {
+        let place = self.waiting.try_acquire().map_err(|_| {
+            let text = format!(
+                "{MOST_WAITING} frames of this track wait already: send the next when one is answered"
+            );
+            Problem::new(Code::Overloaded, text)
+        })?;
+        Ok(Turn { _place: place, _turn: Arc::clone(&self.turn).lock_owned().await })
+    }
+}
+
+struct Entry {
+    track: Arc<Track>,
+    bytes: u64,
+    turns: Turns,
+    used: Instant,
+}
+
+/// The live tracks, by id; cheap to clone.
+#[derive(Clone)]
+pub struct Tracks {
+    live: Arc<Mutex<BTreeMap<Uuid, Entry>>>,
+    most: usize,
+    most_bytes: u64,
+    idle: Duration,
+}
+
+impl Tracks {
+    /// None yet.
+    pub fn new(limits: &Limits) -> Self {
+        let (most, most_bytes, idle) = (limits.max_tracks, limits.max_tracks_bytes, limits.track_idle);
+        Self { live: Arc::default(), most, most_bytes, idle }
+    }
+
+    /// Those that are not gone yet.
+    fn live(&self) -> MutexGuard<'_, BTreeMap<Uuid, Entry>> {
+        // A panic elsewhere leaves the table whole: nothing here is half done while the lock is held.
+        let mut live = self.live.lock().unwrap_or_else(PoisonError::into_inner);
+        live.retain(|_, entry| entry.used.elapsed() < self.idle);
+        live
+    }
+
+    /// Room for so many bytes of a track, in place of those of that id if it is there.
+    fn admit(&self, live: &BTreeMap<Uuid, Entry>, id: Uuid, bytes: u64) -> Result<(), Problem> {
+        let others = || live.iter().filter(|(other, _)| **other != id).map(|(_, entry)| entry.bytes);
+        let held = others().sum::<u64>();
+        if others().count() < self.most && held + bytes <= self.most_bytes {
+            return Ok(());
+        }
+        let oldest = live.values().map(|entry| entry.used.elapsed()).max().unwrap_or_default();
+        let text = format!(
+            "{} tracks hold {} MiB: delete those that are done with, or wait until one is gone",
+            others().count(),
+            held >> 20
+        );
+        Err(Problem::new(Code::TooManyTracks, text).until(self.idle.saturating_sub(oldest)))
+    }
+
+    /// Begin a track.
+    ///
+    /// # Errors
+    /// 429 when there is no room.
+    pub fn begin(&self, track: Track) -> Result<Arc<Track>, Problem> {
+        let bytes = track.bytes();
+        let mut live = self.live();
+        self.admit(&live, track.id, bytes)?;
+        let track = Arc::new(track);
+        let entry = Entry { track: Arc::clone(&track), bytes, turns: Turns::new(), used: Instant::now() };
+        live.insert(track.id, entry);
+        Ok(track)
+    }
+
+    /// The turns of a track that a frame came for; it lives on from now.
+    ///
+    /// # Errors
+    /// 404 when there is no such track.
+    pub fn arrive(&self, database: &Name, id: Uuid) -> Result<Turns, Problem> {
+        let mut live = self.live();
+        let entry = live.get_mut(&id).filter(|entry| entry.track.database == *database);
+        let entry = entry.ok_or_else(|| self.unknown(id))?;
+        entry.used = Instant::now();
+        Ok(entry.turns.clone())
+    }
+
+    /// A track as it stands.
+    ///
+    /// # Errors
+    /// 404 when there is no such track.
+    pub fn get(&self, database: &Name, id: Uuid) -> Result<Arc<Track>, Problem> {
+        let live = self.live();
+        let entry = live.get(&id).filter(|entry| entry.track.database == *database);
+        entry.map(|entry| Arc::clone(&entry.track)).ok_or_else(|| self.unknown(id))
+    }
+
+    /// Put what a track has become in its place.
+    ///
+    /// # Errors
+    /// 404 when it was deleted meanwhile, 429 when it has grown and there is no room.
+    pub fn put(&self, track: Track) -> Result<Arc<Track>, Problem> {
+        let (id, bytes) = (track.id, track.bytes());
+        let mut live = self.live();
+        if !live.contains_key(&id) {
+            return Err(self.unknown(id));
+        }
+        self.admit(&live, id, bytes)?;
+        let track = Arc::new(track);
+        live.entry(id).and_modify(|entry| {
+            (entry.track, entry.bytes, entry.used) = (Arc::clone(&track), bytes, Instant::now());
+        });
+        Ok(track)
+    }
+
+    /// The tracks of a database after that id: in the order in which they began.
+    pub fn list(&self, database: &Name, after: Option<Uuid>, limit: u32) -> Vec<Arc<Track>> {
+        let live = self.live();
+        let later = live.range((after.map_or(Bound::Unbounded, Bound::Excluded), Bound::Unbounded));
+        let of_database = later.map(|(_, entry)| &entry.track).filter(|track| track.database == *database);
+        of_database.take(limit as usize).cloned().collect()
+    }
+
+    /// End a track.
+    ///
+    /// # Errors
+    /// 404 when there is no such track.
+    pub fn end(&self, database: &Name, id: Uuid) -> Result<(), Problem> {
+        self.get(database, id)?;
+        self.live().remove(&id);
+        Ok(())
+    }
+
+    /// Number and bytes of the live tracks.
+    pub fn held(&self) -> (usize, u64) {
+        let live = self.live();
+        (live.len(), live.values().map(|entry| entry.bytes).sum())
+    }
+
+    /// When a track is gone unless another frame comes.
+    pub fn expires_at(&self, track: &Track) -> Timestamp {
+        track.used_at + self.idle
+    }
+
+    fn unknown(&self, id: Uuid) -> Problem {
+        let text = format!(
+            "there is no track {id}: one without a frame for {} s is gone, and all are when the service restarts; begin \
+             another with POST /v1/databases/{{database}}/tracks",
+            self.idle.as_secs_f64()
+        );
+        Problem::new(Code::UnknownTrack, text)
+    }
+}
