@@ -1,10 +1,14 @@
-//! A 640 × 480 frame against 20 exemplars, whole and stage by stage, from smoothing to vote.
+//! A 256 × 256 frame against 20, 200 and 2000 exemplars, and one of 640 × 480 against 20, whole and stage by stage; the
+//! paper's method beside the default. The baseline of all is the symmetry map of the same frame.
 
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, Stage, describe};
+use landmarkd::recognition::landmarks::{
+    ExemplarName, LandmarkOptions, Landmarks, Method, Stage, Viewpoint, describe,
+};
+use landmarkd::vision::symmetry_map;
 
 /// A scene of overlapping discs and bars, another for each seed.
 fn scene(seed: u64, width: usize, height: usize) -> Frame {
@@ -31,38 +35,49 @@ fn scene(seed: u64, width: usize, height: usize) -> Frame {
     Frame::gray(picture)
 }
 
-fn recognition(criterion: &mut Criterion) {
-    let options = LandmarkOptions::default();
+fn model(options: &LandmarkOptions, exemplars: u64, width: usize, height: usize) -> Landmarks {
     let described = |seed: u64| {
         let name = ExemplarName { id: seed.to_string(), label: seed.to_string() };
-        describe(name, &scene(seed, 640, 480), &options)
+        describe(name, &scene(seed, width, height), options)
     };
-    let (model, report) =
-        Landmarks::train((0..20).map(described).collect(), &options).expect("scenes differ");
-    assert_eq!(report.interest_points, 20 * 64);
-    let frame = scene(7, 640, 480).turned(20.0);
+    Landmarks::train((0..exemplars).map(described).collect(), options).expect("scenes differ").0
+}
 
-    let mut group = criterion.benchmark_group("640×480 against 20 exemplars");
-    group.bench_function("whole", |b| b.iter(|| model.recognise(&frame, |_| ())));
-    for stage in [Stage::Attention, Stage::Signature, Stage::Search, Stage::Vote] {
-        group.bench_function(format!("{stage:?}"), |b| {
-            b.iter_custom(|rounds| {
-                let mut spent = Duration::ZERO;
-                for _ in 0..rounds {
-                    let mut last = Instant::now();
-                    model.recognise(&frame, |finished| {
-                        let now = Instant::now();
-                        if finished == stage {
-                            spent += now - last;
-                        }
-                        last = now;
-                    });
-                }
-                spent
+fn recognition(criterion: &mut Criterion) {
+    let options = LandmarkOptions::default();
+    for (exemplars, width, height) in [(20, 256, 256), (200, 256, 256), (2000, 256, 256), (20, 640, 480)] {
+        // exemplars are half as wide as frames, as things in them are
+        let model = model(&options, exemplars, width / 2, height / 2);
+        let frame = scene(7, width, height).turned(20.0);
+        let mut group = criterion.benchmark_group(format!("{width}×{height} against {exemplars} exemplars"));
+        group.sample_size(20);
+        group.bench_function("symmetry map alone", |b| b.iter(|| symmetry_map(&frame.luminance, 6)));
+        group.bench_function("whole", |b| b.iter(|| model.recognise(&frame, |_| ())));
+        for stage in [Stage::Attention, Stage::Signature, Stage::Search, Stage::Vote, Stage::Verification] {
+            group.bench_function(format!("{stage:?}"), |b| {
+                b.iter_custom(|rounds| {
+                    let mut spent = Duration::ZERO;
+                    for _ in 0..rounds {
+                        let mut last = Instant::now();
+                        model.recognise(&frame, |finished| {
+                            let now = Instant::now();
+                            if finished == stage {
+                                spent += now - last;
+                            }
+                            last = now;
+                        });
+                    }
+                    spent
+                });
             });
-        });
+        }
+        group.finish();
     }
-    group.finish();
+    let paper = model(&LandmarkOptions::of(Method::Paper, Viewpoint::Free), 20, 128, 128);
+    let frame = scene(7, 256, 256).turned(20.0);
+    criterion.bench_function("256×256 against 20 exemplars/the paper's method", |b| {
+        b.iter(|| paper.recognise(&frame, |_| ()));
+    });
 }
 
 criterion_group!(benches, recognition);

@@ -12,6 +12,8 @@ mod data;
 mod depth;
 #[path = "claims/objects.rs"]
 mod objects;
+#[path = "claims/placement.rs"]
+mod placement;
 #[path = "claims/places.rs"]
 mod places;
 #[path = "claims/random.rs"]
@@ -24,5 +26,7 @@ mod table_scene;
 mod trials;
 #[path = "claims/turntable.rs"]
 mod turntable;
+#[path = "claims/upright.rs"]
+mod upright;
 #[path = "claims/workcell.rs"]
 mod workcell;

@@ -25,39 +25,41 @@ pub struct Condition {
     pub on_photograph: bool,
     /// Part of the object's pixels that are hidden.
     pub hidden: f64,
+    /// Least and greatest scale of the object.
+    pub scale: (f64, f64),
 }
 
-/// One frame with the object of `picture`. The turn and place depend on `key` alone, not on the condition.
+/// How a picture lies in a frame: where its centre is, and how it is turned and scaled.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth {
+    pub x_px: f64,
+    pub y_px: f64,
+    pub rotation_deg: f64,
+    pub scale: f64,
+}
+
+/// One frame with the object of `picture`, and how it lies. The turn and place depend on `key` alone, not on the
+/// condition.
 pub fn compose(
     picture: &Image,
     photographs: &[Image],
     condition: Condition,
     seed: u64,
     key: &[u64],
-) -> Frame {
+) -> (Frame, Truth) {
     let [mut place, mut ground, mut hide, mut grain] =
         [0, 1, 2, 3].map(|stream| Random::of(seed + stream, key));
-    let (sin, cos) = place.uniform(-180.0, 180.0).to_radians().sin_cos();
+    let rotation_deg = place.uniform(-180.0, 180.0);
     let middle = (SIZE_PX as f64 - 1.0) / 2.0;
-    let (x, y) = (middle + place.uniform(-SHIFT_PX, SHIFT_PX), middle + place.uniform(-SHIFT_PX, SHIFT_PX));
-    let (from_x, from_y) = ((picture.width() as f64 - 1.0) / 2.0, (picture.height() as f64 - 1.0) / 2.0);
-    let mask = mask(picture);
-    // frame pixel → picture pixel: turned back about the object's place
-    let turned = |image: &Image, sample: fn(&Image, f64, f64) -> f64| {
-        Image::from_fn(SIZE_PX, SIZE_PX, |px, py| {
-            let (dx, dy) = (px as f64 - x, py as f64 - y);
-            sample(image, from_x + cos * dx + sin * dy, from_y - sin * dx + cos * dy) as f32
-        })
-    };
-    let (object, alpha) = (turned(picture, cubic), turned(&mask, linear));
-    let behind = match condition.on_photograph {
+    let mut off = || middle + place.uniform(-SHIFT_PX, SHIFT_PX);
+    let (x_px, y_px) = (off(), off());
+    let scale = place.uniform(condition.scale.0, condition.scale.1);
+    let truth = Truth { x_px, y_px, rotation_deg, scale };
+    let mut frame = match condition.on_photograph {
         true => crop(photographs, &mut ground),
         false => Image::from_fn(SIZE_PX, SIZE_PX, |_, _| 0.0),
     };
-    let mut frame = Image::from_fn(SIZE_PX, SIZE_PX, |px, py| {
-        let alpha = alpha.at(px, py);
-        behind.at(px, py) * (1.0 - alpha) + object.at(px, py) * alpha
-    });
+    let alpha = paste(&mut frame, picture, truth);
     if condition.hidden > 0.0 {
         let (sin, cos) = hide.uniform(0.0, std::f64::consts::TAU).sin_cos();
         let along = |px: usize, py: usize| px as f64 * cos + py as f64 * sin;
@@ -70,6 +72,60 @@ pub fn compose(
             frame.pixels_mut()[py * SIZE_PX + px] = cover.at(px, py);
         }
     }
+    (noisy(frame, &mut grain), truth)
+}
+
+/// One photograph with several objects on it, each in a part of the frame of its own.
+pub fn compose_several(
+    pictures: &[&Image],
+    photographs: &[Image],
+    seed: u64,
+    key: &[u64],
+) -> (Frame, Vec<Truth>) {
+    let [mut place, mut ground, mut grain] = [0, 1, 3].map(|stream| Random::of(seed + stream, key));
+    // the corners in turn: objects of 128 px hardly overlap there
+    let first = place.below(4);
+    let mut frame = crop(photographs, &mut ground);
+    let mut truths = Vec::new();
+    for (n, picture) in pictures.iter().enumerate() {
+        let corner = (first + n) % 4;
+        let mut off = |far: bool| if far { 189.0 } else { 66.0 } + place.uniform(-6.0, 6.0);
+        let (x_px, y_px) = (off(corner == 1 || corner == 2), off(corner >= 2));
+        let truth = Truth { x_px, y_px, rotation_deg: place.uniform(-180.0, 180.0), scale: 1.0 };
+        paste(&mut frame, picture, truth);
+        truths.push(truth);
+    }
+    (noisy(frame, &mut grain), truths)
+}
+
+/// One photograph without any object.
+pub fn photograph(photographs: &[Image], seed: u64, key: &[u64]) -> Frame {
+    let [mut ground, mut grain] = [1, 3].map(|stream| Random::of(seed + stream, key));
+    noisy(crop(photographs, &mut ground), &mut grain)
+}
+
+/// Lay the object of a picture on a frame; how much of each pixel it covers.
+fn paste(frame: &mut Image, picture: &Image, truth: Truth) -> Image {
+    let (sin, cos) = truth.rotation_deg.to_radians().sin_cos();
+    let (from_x, from_y) = ((picture.width() as f64 - 1.0) / 2.0, (picture.height() as f64 - 1.0) / 2.0);
+    let mask = mask(picture);
+    // frame pixel → picture pixel: turned back about the object's place
+    let turned = |image: &Image, sample: fn(&Image, f64, f64) -> f64| {
+        Image::from_fn(SIZE_PX, SIZE_PX, |px, py| {
+            let (dx, dy) = ((px as f64 - truth.x_px) / truth.scale, (py as f64 - truth.y_px) / truth.scale);
+            sample(image, from_x + cos * dx + sin * dy, from_y - sin * dx + cos * dy) as f32
+        })
+    };
+    let (object, alpha) = (turned(picture, cubic), turned(&mask, linear));
+    for (value, (alpha, object)) in
+        frame.pixels_mut().iter_mut().zip(alpha.pixels().iter().zip(object.pixels()))
+    {
+        *value = *value * (1.0 - alpha) + object * alpha;
+    }
+    alpha
+}
+
+fn noisy(mut frame: Image, grain: &mut Random) -> Frame {
     for value in frame.pixels_mut() {
         *value = (f64::from(*value) + NOISE * grain.normal()).round().clamp(0.0, 255.0) as f32;
     }

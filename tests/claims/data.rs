@@ -36,6 +36,32 @@ pub fn photographs(folder: &Path) -> Vec<Image> {
     paths.iter().map(|path| read(path).luminance).collect()
 }
 
+/// The corridor, walked twice: frames of the first walk, frames of the second, and for each of these which of the
+/// first show the same place. Gray, 160 × 120.
+pub struct Corridor {
+    pub first: Vec<Frame>,
+    pub second: Vec<Frame>,
+    pub same: Vec<Vec<usize>>,
+}
+
+/// See [`Corridor`].
+pub fn corridor(folder: &Path) -> Corridor {
+    let root = folder.join("vpr-corridor");
+    let walk = |name: &str| {
+        let listed = fs::read_dir(root.join(name)).expect("the walk is there");
+        let mut paths: Vec<PathBuf> = listed.map(|entry| entry.expect("an entry").path()).collect();
+        paths.retain(|path| path.extension().is_some_and(|e| e == "jpg"));
+        paths.sort();
+        paths.iter().map(|path| Frame::gray(read(path).luminance)).collect()
+    };
+    let table = fs::read_to_string(root.join("ground_truth.csv")).expect("the table is there");
+    let same = table.lines().skip(1).map(|line| {
+        let (_, places) = line.split_once(',').expect("two columns");
+        places.split_whitespace().map(|place| place.parse().expect("a number")).collect()
+    });
+    Corridor { first: walk("ref"), second: walk("query"), same: same.collect() }
+}
+
 /// One clip of the tower: its frames, one a second.
 pub struct Clip {
     frames: BTreeMap<u32, PathBuf>,

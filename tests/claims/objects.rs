@@ -3,7 +3,7 @@
 //! chance explains on 60.
 
 use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::landmarks::{LandmarkOptions, Taper};
+use landmarkd::recognition::landmarks::{LandmarkOptions, Method, Taper, Viewpoint};
 
 use crate::composites::{Condition, compose};
 use crate::data;
@@ -13,23 +13,27 @@ const SEED: u64 = 7;
 const OBJECTS: usize = 20;
 const FRAMES_PER_OBJECT: u64 = 3;
 
-const ON_BLACK: Condition = Condition { on_photograph: false, hidden: 0.0 };
-const ON_PHOTOGRAPH: Condition = Condition { on_photograph: true, hidden: 0.0 };
+pub const ON_BLACK: Condition = Condition { on_photograph: false, hidden: 0.0, scale: (1.0, 1.0) };
+pub const ON_PHOTOGRAPH: Condition = Condition { on_photograph: true, ..ON_BLACK };
 
-/// The reference's settings: windows of radius 10, which describe more of an object than the paper's 5.
+/// The reference's settings of the paper's method: windows of radius 10, which describe more of an object than the paper's 5.
 pub fn options() -> LandmarkOptions {
-    LandmarkOptions { subwindow_radius_px: 10.0, rings: 10, sectors: 32, ..LandmarkOptions::default() }
+    LandmarkOptions {
+        subwindow_radii_px: vec![10.0],
+        rings: 10,
+        ..LandmarkOptions::of(Method::Paper, Viewpoint::Free)
+    }
 }
 
-struct Objects {
-    training: Vec<Frame>,
+pub struct Objects {
+    pub training: Vec<Frame>,
     /// At the training pose, and 5 degrees further on the turntable.
-    pictures: [Vec<Image>; 2],
-    photographs: Vec<Image>,
+    pub pictures: [Vec<Image>; 2],
+    pub photographs: Vec<Image>,
 }
 
 impl Objects {
-    fn read() -> Option<Objects> {
+    pub fn read() -> Option<Objects> {
         let folder = data::folder()?;
         let at = |pose_deg| (1..=OBJECTS).map(|n| data::coil_20(&folder, n, pose_deg)).collect::<Vec<_>>();
         let pictures = [at(0), at(5)];
@@ -40,7 +44,7 @@ impl Objects {
     fn frames(&self, pictures: &[Image], condition: Condition) -> Vec<(usize, Frame)> {
         let trials = (0..pictures.len()).flat_map(|n| (0..FRAMES_PER_OBJECT).map(move |k| (n, k)));
         trials
-            .map(|(n, k)| (n, compose(&pictures[n], &self.photographs, condition, SEED, &[n as u64, k])))
+            .map(|(n, k)| (n, compose(&pictures[n], &self.photographs, condition, SEED, &[n as u64, k]).0))
             .collect()
     }
 

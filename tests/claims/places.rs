@@ -71,7 +71,7 @@ fn disturbed(frame: &Frame, tilt_deg: f64, covered: bool, key: &[u64]) -> Frame 
 }
 
 /// The whole picture in [`SIZE_PX`] × [`SIZE_PX`], gray; each pixel the mean of the area that it covers.
-fn shrunk(frame: &Frame) -> Frame {
+pub fn shrunk(frame: &Frame) -> Frame {
     let grey = &frame.luminance;
     let across = shares(grey.width());
     let rows = Image::from_fn(SIZE_PX, grey.height(), |x, y| {

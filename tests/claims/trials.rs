@@ -1,7 +1,9 @@
 //! Training, asking, counting: the same for every claim.
 
 use landmarkd::imaging::Frame;
-use landmarkd::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
+use landmarkd::recognition::landmarks::{
+    ExemplarName, LandmarkOptions, Landmarks, Reliability, describe, rehearsals,
+};
 
 /// What a claim's trials came to.
 #[derive(Clone, Copy)]
@@ -39,6 +41,22 @@ pub fn trained(pictures: &[Frame], options: &LandmarkOptions) -> Landmarks {
     });
     let (model, _) = Landmarks::train(described.collect(), options).expect("a model");
     model
+}
+
+/// The same, and rehearsed as a training job does.
+pub fn calibrated(pictures: &[Frame], options: &LandmarkOptions) -> (Landmarks, Reliability) {
+    let mut model = trained(pictures, options);
+    let (chosen, rounds) = model.rehearsed_exemplars();
+    let rehearse = |round, index: usize| {
+        let label = model.exemplars()[index].label.clone();
+        let picture = &pictures[label.parse::<usize>().expect("a place in the list")];
+        let name = ExemplarName { id: label.clone(), label };
+        model.rehearse(&name, &rehearsals(&name, picture, round, options))
+    };
+    let rehearsed: Vec<_> =
+        (0..rounds).flat_map(|round| chosen.iter().flat_map(move |&index| rehearse(round, index))).collect();
+    let reliability = model.calibrate(&rehearsed).expect("enough rehearsals");
+    (model, reliability)
 }
 
 /// Recognise frames whose truth is the place of a training picture in its list.
