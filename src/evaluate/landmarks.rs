@@ -289,8 +289,13 @@ mod tests {
     /// A picture of 12 px cells whose greys depend on the seed alone.
     fn write_picture(path: &Path, seed: usize) {
         let size = 96;
+        // mixed well: a plain multiplication would make one picture a shift of another
         let grey = |x: usize, y: usize| {
-            ((x / 12 + 8 * (y / 12) + 64 * seed + 1).wrapping_mul(2_654_435_761) >> 24) as u8
+            let mut mixed = (x / 12 + 8 * (y / 12) + 64 * seed + 1) as u64;
+            for factor in [0xbf58_476d_1ce4_e5b9_u64, 0x94d0_49bb_1331_11eb] {
+                mixed = (mixed ^ (mixed >> 29)).wrapping_mul(factor);
+            }
+            (mixed >> 56) as u8
         };
         let pixels: Vec<u8> = (0..size * size).map(|i| grey(i % size, i / size)).collect();
         fs::create_dir_all(path.parent().unwrap()).unwrap();

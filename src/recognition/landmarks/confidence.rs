@@ -66,6 +66,8 @@ const LEAST_ANSWERS: usize = 20;
 const LEAST_THRESHOLD: f64 = 0.8;
 /// Part of the frames without anything known that may be answered.
 const UNKNOWN_ANSWERED: f64 = 0.02;
+/// Evidence that varies less says nothing: rounding.
+const LEAST_DEVIATION: f64 = 1e-6;
 /// Weights are drawn to 0 as if this many answers said that evidence means nothing.
 const RIDGE: f64 = 1.0;
 /// Steps of the fit, and the length at which it has converged.
@@ -85,24 +87,25 @@ impl Confidence {
             wanted.flat_map(|(_, rows)| rows).copied().collect()
         };
         let (even, odd) = (half(0), half(1));
-        let judged_by = |curve: Option<Confidence>, others: &[Rehearsed]| -> Vec<(Rehearsed, f64)> {
-            let curve = curve.unwrap_or(confidence);
-            others.iter().map(|r| (*r, curve.of(&r.evidence))).collect()
+        let judged_by = |judges: &[Rehearsed], others: &[Rehearsed]| -> Vec<Judged> {
+            let curve = Self::fitted(judges).unwrap_or(confidence);
+            let judged = |r: &Rehearsed| {
+                let confidence = curve.of(&r.evidence);
+                Judged { rehearsed: *r, confidence, decided: confidence >= curve.threshold }
+            };
+            others.iter().map(judged).collect()
         };
-        let mut judged = judged_by(Self::fitted(&odd), &even);
-        judged.extend(judged_by(Self::fitted(&even), &odd));
-        let threshold = threshold(&judged);
-        let confidence = Confidence { threshold, ..confidence };
-        let part = |of: usize, wanted: &dyn Fn(&Rehearsed, f64) -> bool| {
-            let met = judged.iter().filter(|(r, c)| wanted(r, *c)).count();
+        let judged = [judged_by(&odd, &even), judged_by(&even, &odd)].concat();
+        let part = |of: usize, wanted: fn(&Judged) -> bool| {
+            let met = judged.iter().filter(|judged| wanted(judged)).count();
             if of == 0 { 0.0 } else { met as f64 / of as f64 }
         };
         let reliability = Reliability {
             known,
             unknown,
-            known_named: part(known, &|r, c| r.known && r.right && c >= threshold),
-            known_misnamed: part(known, &|r, c| r.known && !r.right && c >= threshold),
-            unknown_refused: part(unknown, &|r, c| !r.known && c < threshold),
+            known_named: part(known, |j| j.rehearsed.known && j.rehearsed.right && j.decided),
+            known_misnamed: part(known, |j| j.rehearsed.known && !j.rehearsed.right && j.decided),
+            unknown_refused: part(unknown, |j| !j.rehearsed.known && !j.decided),
             curve: curve(&judged),
         };
         Some((confidence, reliability))
@@ -114,7 +117,8 @@ impl Confidence {
         1.0 / (1.0 + (-(self.bias + sum)).exp())
     }
 
-    /// The curve of greatest likelihood by projected gradients, on evidence of mean 0 and deviation 1.
+    /// The curve of greatest likelihood by projected gradients, on evidence of mean 0 and deviation 1, with the
+    /// threshold that it takes.
     fn fitted(rehearsed: &[Rehearsed]) -> Option<Confidence> {
         let answers: Vec<(Evidence, f64)> =
             rehearsed.iter().map(|r| (r.evidence, f64::from(u8::from(r.right)))).collect();
@@ -130,8 +134,9 @@ impl Confidence {
             deviation[k] =
                 (answers.iter().map(|(e, _)| (e[k] - mean[k]).powi(2)).sum::<f64>() / count).sqrt();
         }
-        let scaled =
-            |e: &Evidence, k: usize| if deviation[k] > 0.0 { (e[k] - mean[k]) / deviation[k] } else { 0.0 };
+        let scaled = |e: &Evidence, k: usize| {
+            if deviation[k] > LEAST_DEVIATION { (e[k] - mean[k]) / deviation[k] } else { 0.0 }
+        };
         let rows: Vec<(Evidence, f64)> =
             answers.iter().map(|(e, y)| ([0, 1, 2, 3].map(|k| scaled(e, k)), *y)).collect();
         // the curvature of the likelihood is at most a quarter of Σ(1 + ‖e‖²), and that is 1 + EVIDENCE an answer
@@ -159,9 +164,12 @@ impl Confidence {
                 break;
             }
         }
-        let unscaled = [0, 1, 2, 3].map(|k| if deviation[k] > 0.0 { weights[k] / deviation[k] } else { 0.0 });
+        let unscaled = [0, 1, 2, 3]
+            .map(|k| if deviation[k] > LEAST_DEVIATION { weights[k] / deviation[k] } else { 0.0 });
         let shift: f64 = (0..EVIDENCE).map(|k| unscaled[k] * mean[k]).sum();
-        Some(Confidence { weights: unscaled, bias: bias - shift, threshold: LEAST_THRESHOLD })
+        let curve = Confidence { weights: unscaled, bias: bias - shift, threshold: LEAST_THRESHOLD };
+        let unknown = rehearsed.iter().filter(|r| !r.known).map(|r| curve.of(&r.evidence));
+        Some(Confidence { threshold: threshold(unknown.collect()), ..curve })
     }
 }
 
@@ -172,20 +180,27 @@ fn count(rehearsed: &[Rehearsed], wanted: impl Fn(&Rehearsed) -> bool) -> usize 
     rehearsed.iter().filter(|r| wanted(r)).count()
 }
 
+/// An answer and what a curve that hadn't seen it makes of it.
+#[derive(Clone)]
+struct Judged {
+    rehearsed: Rehearsed,
+    confidence: f64,
+    decided: bool,
+}
+
 /// The least confidence, 0.8 or more, that few of the frames without anything known reach.
-fn threshold(judged: &[(Rehearsed, f64)]) -> f64 {
-    let mut unknown: Vec<f64> = judged.iter().filter(|(r, _)| !r.known).map(|(_, c)| *c).collect();
+fn threshold(mut unknown: Vec<f64>) -> f64 {
     unknown.sort_by(|a, b| b.total_cmp(a));
     let answered = (UNKNOWN_ANSWERED * unknown.len() as f64) as usize;
     unknown.get(answered).map_or(LEAST_THRESHOLD, |c| c.next_up().clamp(LEAST_THRESHOLD, 1.0))
 }
 
-fn curve(judged: &[(Rehearsed, f64)]) -> Vec<ReliabilityBin> {
+fn curve(judged: &[Judged]) -> Vec<ReliabilityBin> {
     const BINS: usize = 10;
     let mut sums = [(0.0, 0, 0); BINS];
-    for (r, confidence) in judged {
+    for Judged { rehearsed, confidence, .. } in judged {
         let bin = &mut sums[((confidence * BINS as f64) as usize).min(BINS - 1)];
-        *bin = (bin.0 + confidence, bin.1 + 1, bin.2 + usize::from(r.right));
+        *bin = (bin.0 + confidence, bin.1 + 1, bin.2 + usize::from(rehearsed.right));
     }
     let filled = sums.into_iter().filter(|(_, answers, _)| *answers > 0);
     filled
@@ -226,7 +241,7 @@ mod tests {
         }
         assert!(confidence.weights.iter().all(|w| *w >= 0.0), "{confidence:?}");
         assert_eq!(confidence.weights[2], 0.0);
-        assert!(reliability.unknown_refused >= 0.98 && reliability.known_named > 0.4, "{reliability:?}");
+        assert!(reliability.unknown_refused >= 0.98 && reliability.known_named > 0.35, "{reliability:?}");
         assert!(confidence.threshold >= 0.5);
     }
 
@@ -235,6 +250,15 @@ mod tests {
         let (confidence, _) = Confidence::fit(&answers(400), 50).unwrap();
         let sure = |strength: f64| confidence.of(&[strength, 0.5, 0.5, 0.0]);
         assert!((0..20).all(|i| sure(f64::from(i) / 10.0) <= sure(f64::from(i + 1) / 10.0)));
+    }
+
+    #[test]
+    fn evidence_that_never_varies_has_no_weight() {
+        let mut rehearsed = answers(400);
+        for (number, row) in rehearsed.iter_mut().enumerate() {
+            row.evidence[2] = if number % 3 == 0 { 0.3 } else { 0.1 + 0.2 };
+        }
+        assert_eq!(Confidence::fit(&rehearsed, 50).unwrap().0.weights[2], 0.0);
     }
 
     #[test]

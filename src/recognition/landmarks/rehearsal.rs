@@ -18,7 +18,7 @@ const REHEARSED_EXEMPLARS: usize = 40;
 const FEW_EXEMPLARS: usize = 10;
 /// The rehearsals of one picture.
 const CONDITIONS: [Condition; REHEARSALS_TOGETHER / 2] = [
-    Condition { cluttered: false, hidden: 0.2 },
+    Condition { cluttered: false, hidden: 0.0 },
     Condition { cluttered: true, hidden: 0.0 },
     Condition { cluttered: true, hidden: 0.3 },
     Condition { cluttered: true, hidden: 0.55 },
