@@ -193,16 +193,18 @@ impl WithSimd for Transform<'_> {
     type Output = ();
 
     #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "zipped iterators stay calls within vector code")]
     fn with_simd<S: Simd>(self, _simd: S) {
         let plan = self.plan;
         let rings = self.samples.chunks_exact(plan.sectors).zip(&plan.ring_weight);
         let out = self.spectrum.chunks_exact_mut(RING).zip(self.amplitudes.chunks_exact_mut(FREQUENCIES));
         for ((ring, ring_weight), (spectrum, amplitudes)) in rings.zip(out) {
             let mut sum = [0.0_f32; RING];
-            for (&sample, wave) in ring.iter().zip(&plan.waves) {
-                let value = (sample - self.offset) * self.scale;
-                for (sum, wave) in sum.iter_mut().zip(wave) {
-                    *sum += value * wave;
+            let waves = &plan.waves[..ring.len()];
+            for sector in 0..ring.len() {
+                let (value, wave) = ((ring[sector] - self.offset) * self.scale, &waves[sector]);
+                for at in 0..RING {
+                    sum[at] += value * wave[at];
                 }
             }
             for k in 0..FREQUENCIES {

@@ -8,6 +8,8 @@ use super::placement::Placement;
 /// Hypotheses that are laid on the frame as they are, and of these the ones whose place is looked for more exactly.
 const LAID: usize = 96;
 const REFINED: usize = 12;
+/// Hypotheses weaker than this part of the best one are not looked at any longer.
+const LEAST_PART: f32 = 0.05;
 /// Steps of the search for the exact place: so many pixels, radians, and parts of the scale.
 const STEPS: [f32; 2] = [1.0, 0.5];
 const STEP_RAD: f32 = 0.02;
@@ -59,7 +61,10 @@ pub(super) fn standings(
                     exemplars,
                 )
         };
-        if apart.len() < REFINED && !apart.iter().any(taken) {
+        let weak = apart.first().is_some_and(|(best, at_best)| {
+            weight(hypothesis.density, agreement) < LEAST_PART * weight(best.density, *at_best)
+        });
+        if apart.len() < REFINED && !weak && !apart.iter().any(taken) {
             apart.push((hypothesis, agreement));
         }
     }
