@@ -193,7 +193,6 @@ impl WithSimd for Transform<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[expect(clippy::needless_range_loop, reason = "zipped iterators stay calls within vector code")]
     fn with_simd<S: Simd>(self, _simd: S) {
         let plan = self.plan;
         let rings = self.samples.chunks_exact(plan.sectors).zip(&plan.ring_weight);

@@ -134,7 +134,7 @@ async fn a_form_is_as_good_as_the_raw_picture() {
         app.post_bytes("/v1/databases/home/recognitions", "image/jpeg", frame.clone()).await.expect(200);
     let body = form(&[("image", frame)]);
     let as_form = app.post_bytes("/v1/databases/home/recognitions", &form_type(), body).await.expect(200);
-    assert_eq!(answer["decision"]["label"], "kitchen");
+    assert_eq!(answer["votes"][0]["label"], "kitchen");
     assert_eq!(answer["votes"], as_form["votes"]);
 }
 
@@ -242,7 +242,7 @@ async fn a_batch_of_frames_is_answered_in_order_with_the_bad_one_in_its_place() 
     let items = batch["items"].as_array().unwrap();
     let said: Vec<&str> = items
         .iter()
-        .map(|item| item["decision"]["label"].as_str().or(item["problem"]["code"].as_str()).unwrap())
+        .map(|item| item["votes"][0]["label"].as_str().or(item["problem"]["code"].as_str()).unwrap())
         .collect();
     let place = |number: usize| PLACES[number - 1];
     let expected =

@@ -73,9 +73,9 @@ async fn what_is_in_a_frame_is_named_and_placed_and_nothing_known_is_null() {
     let version = app.get("/v1/databases/yard/versions/1").await.expect(200);
     let reliability = &version["report"]["reliability"];
     assert!(number(&reliability["unknown_refused"]) >= 0.95, "{version:#}");
-    assert!(number(&reliability["known_named"]) >= 0.5, "{version:#}");
+    assert!(number(&reliability["known_named"]) >= 0.4, "{version:#}");
     let threshold = number(&reliability["threshold"]);
-    assert!((0.5..=1.0).contains(&threshold), "{threshold}");
+    assert!((0.8..=1.0).contains(&threshold), "{threshold}");
     assert!(number(&version["report"]["timings_ms"]["rehearsal"]) > 0.0);
 
     // A quarter turn clockwise, its centre at (70 + 55.5, 50 + 55.5).
