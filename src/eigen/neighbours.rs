@@ -187,8 +187,9 @@ impl WithSimd for Sift<'_> {
         let (tiles, rest) = self.parts.as_chunks_mut::<CLASSES>();
         let (squares, squares_of_rest) = self.squares.as_chunks::<CLASSES>();
         let classes = S::as_mut_simd_f32s(&mut least).0;
-        for (parts, squares) in tiles.iter_mut().zip(squares) {
-            let (parts, squares) = (S::as_mut_simd_f32s(parts).0, S::as_simd_f32s(squares).0);
+        for tile in 0..tiles.len() {
+            let (parts, squares) =
+                (S::as_mut_simd_f32s(&mut tiles[tile]).0, S::as_simd_f32s(&squares[tile]).0);
             for lanes in 0..CLASSES / S::F32_LANES {
                 parts[lanes] = simd.add_f32s(parts[lanes], squares[lanes]);
                 classes[lanes] = simd.min_f32s(classes[lanes], parts[lanes]);

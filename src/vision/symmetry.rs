@@ -71,7 +71,8 @@ impl WithSimd for AllPairs<'_> {
         for (tile, out) in self.out.chunks_mut(TILE_PX).enumerate() {
             let start = tile * TILE_PX;
             let mut sums = [0.0; TILE_PX];
-            for (pair, (i, j)) in self.pairs.iter().zip(self.places) {
+            for p in 0..self.pairs.len() {
+                let (pair, (i, j)) = (&self.pairs[p], self.places[p]);
                 let from = [tile_at(strength, start + i), tile_at(x, start + i), tile_at(y, start + i)];
                 let to = [tile_at(strength, start + j), tile_at(x, start + j), tile_at(y, start + j)];
                 pair.add(from, to, &mut sums);

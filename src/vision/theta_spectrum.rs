@@ -6,6 +6,7 @@
 //! imaginary parts, each times √2 except frequency 0: so the sum of squares is that of the real signal's whole
 //! spectrum, and a product of two spectra counts the repeated half.
 
+use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use pulp::{Arch, Simd, WithSimd};
@@ -19,6 +20,7 @@ pub const FREQUENCIES: usize = 12;
 const RING: usize = 2 * FREQUENCIES;
 /// Turns at which the correlation of two spectra is evaluated; the peak is found between them by a parabola.
 const TURNS: usize = 32;
+const HALF: usize = TURNS / 2;
 /// The taper is a Gaussian over the radius with this part of the sub-window's radius as σ, and each ring
 /// counts by the root of its area.
 const SIGMA: f64 = 1.0 / 1.5;
@@ -32,8 +34,9 @@ pub struct ThetaPlan {
     ring_weight: Vec<f32>,
     /// A row a sector: what its sample adds to a ring's spectrum.
     waves: Vec<[f32; RING]>,
-    /// A row a number of a ring's spectrum: what it adds to the correlation at each turn.
-    turns: Vec<[f32; TURNS]>,
+    /// A row a frequency: what it adds to the correlation at each turn below half of one.
+    cosines: [[f32; HALF]; FREQUENCIES],
+    sines: [[f32; HALF]; FREQUENCIES],
 }
 
 /// A spectrum in whole numbers, −127..=127, as trained databases hold it, and how long it is.
@@ -69,14 +72,6 @@ impl ThetaPlan {
             }
             row
         };
-        let turn = |at: usize| {
-            let mut row = [0.0; TURNS];
-            for (j, value) in row.iter_mut().enumerate() {
-                let (sin, cos) = phase(at % FREQUENCIES, j, TURNS);
-                *value = if at < FREQUENCIES { cos as f32 } else { -sin as f32 };
-            }
-            row
-        };
         let ring_weight = |ring: usize| {
             let radius = (ring as f64 + 0.5) / rings as f64;
             ((-0.5 * (radius / SIGMA).powi(2)).exp() * radius.sqrt()) as f32
@@ -87,7 +82,8 @@ impl ThetaPlan {
             normalise,
             ring_weight: (0..rings).map(ring_weight).collect(),
             waves: (0..sectors).map(wave).collect(),
-            turns: (0..RING).map(turn).collect(),
+            cosines: from_fn(|k| from_fn(|j| phase(k, j, TURNS).1 as f32)),
+            sines: from_fn(|k| from_fn(|j| -phase(k, j, TURNS).0 as f32)),
         }
     }
 
@@ -195,11 +191,14 @@ impl WithSimd for Transform<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let plan = self.plan;
-        let rings = self.samples.chunks_exact(plan.sectors).zip(&plan.ring_weight);
-        let out = self.spectrum.chunks_exact_mut(RING).zip(self.amplitudes.chunks_exact_mut(FREQUENCIES));
-        for ((ring, ring_weight), (spectrum, amplitudes)) in rings.zip(out) {
+        let (waves, weights) = (&plan.waves[..plan.sectors], &plan.ring_weight[..plan.rings]);
+        let spectra = &mut self.spectrum.as_chunks_mut::<RING>().0[..plan.rings];
+        let amplitudes = &mut self.amplitudes.as_chunks_mut::<FREQUENCIES>().0[..plan.rings];
+        for ring in 0..plan.rings {
+            let (spectrum, amplitudes, ring_weight) =
+                (&mut spectra[ring], &mut amplitudes[ring], weights[ring]);
+            let ring = &self.samples[ring * plan.sectors..][..plan.sectors];
             let mut sum = [0.0_f32; RING];
-            let waves = &plan.waves[..ring.len()];
             for sector in 0..ring.len() {
                 let (value, wave) = ((ring[sector] - self.offset) * self.scale, &waves[sector]);
                 for at in 0..RING {
@@ -227,21 +226,45 @@ impl WithSimd for Correlate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> [f32; TURNS] {
-        let (mut re, mut im) = ([0.0_f32; FREQUENCIES], [0.0_f32; FREQUENCIES]);
-        for (q, t) in self.query.chunks_exact(RING).zip(self.kept.chunks_exact(RING)) {
-            for k in 0..FREQUENCIES {
-                let (qr, qi) = (q[k], q[FREQUENCIES + k]);
-                let (tr, ti) = (f32::from(t[k]), f32::from(t[FREQUENCIES + k]));
-                re[k] += qr * tr + qi * ti;
-                im[k] += qi * tr - qr * ti;
+        // real by real beside imaginary by imaginary, and real by imaginary beside imaginary by real
+        let (mut alike, mut crosswise) = ([0.0_f32; RING], [0.0_f32; RING]);
+        let (query, kept) = (self.query.as_chunks::<RING>().0, self.kept.as_chunks::<RING>().0);
+        let rings = if query.len() < kept.len() { query.len() } else { kept.len() };
+        let (query, kept) = (&query[..rings], &kept[..rings]);
+        for ring in 0..rings {
+            let (q, t) = (&query[ring], &kept[ring]);
+            // and the first half once more, behind
+            let mut turned = [0.0_f32; RING + FREQUENCIES];
+            for n in 0..RING {
+                turned[n] = t[n] as f32;
+            }
+            for n in 0..FREQUENCIES {
+                turned[RING + n] = turned[n];
+            }
+            for n in 0..RING {
+                alike[n] += q[n] * turned[n];
+                crosswise[n] += q[n] * turned[FREQUENCIES + n];
             }
         }
-        let mut correlation = [0.0_f32; TURNS];
+        // the cosines are alike for a turn and its opposite, the sines of opposite sign
+        let (mut even, mut odd) = ([0.0_f32; HALF], [0.0_f32; HALF]);
+        let mut opposite = 0.0;
         for k in 0..FREQUENCIES {
-            let (cos, sin) = (&self.plan.turns[k], &self.plan.turns[FREQUENCIES + k]);
-            for j in 0..TURNS {
-                correlation[j] += re[k] * cos[j] + im[k] * sin[j];
+            let (re, im) = (alike[k] + alike[FREQUENCIES + k], crosswise[FREQUENCIES + k] - crosswise[k]);
+            let (cos, sin) = (&self.plan.cosines[k], &self.plan.sines[k]);
+            for j in 0..HALF {
+                even[j] += re * cos[j];
+                odd[j] += im * sin[j];
             }
+            opposite += if k % 2 == 0 { re } else { -re };
+        }
+        let mut correlation = [0.0_f32; TURNS];
+        for j in 0..HALF {
+            correlation[j] = even[j] + odd[j];
+        }
+        correlation[HALF] = opposite;
+        for j in 1..HALF {
+            correlation[TURNS - j] = even[j] - odd[j];
         }
         correlation
     }

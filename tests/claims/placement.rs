@@ -47,10 +47,16 @@ fn near(truth: &Truth, x_px: f32, y_px: f32, rotation_rad: f32) -> bool {
     off <= 6.0 && ((turned + 180.0).rem_euclid(360.0) - 180.0).abs() <= 5.0
 }
 
-fn asked(model: &Landmarks, objects: &Objects, pose: usize, condition: Condition) -> Tally {
+fn asked(
+    model: &Landmarks,
+    objects: &Objects,
+    pose: usize,
+    condition: Condition,
+    frames_per_object: u64,
+) -> Tally {
     let mut tally = Tally::default();
     for (n, picture) in objects.pictures[pose].iter().enumerate() {
-        for k in 0..FRAMES_PER_OBJECT {
+        for k in 0..frames_per_object {
             let (frame, truth) = compose(picture, &objects.photographs, condition, SEED, &[n as u64, k]);
             let recognition = model.recognise(&frame, |_| ());
             tally.trials += 1;
@@ -91,7 +97,7 @@ fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_na
     ];
     let mut firsts = Vec::new();
     for (name, pose, condition, least) in conditions {
-        let tally = asked(&model, &objects, pose, condition);
+        let tally = asked(&model, &objects, pose, condition, FRAMES_PER_OBJECT);
         tally.say(name);
         let first = tally.first as f64 / tally.trials as f64;
         assert!(first >= least, "{name}: {first:.3}");
@@ -165,7 +171,12 @@ fn votes_that_fall_on_the_background_are_unsure_and_say_so() {
         }
         println!("the paper's vote misled in {misled} of 60: {decided_wrongly} named wrong, {warned} warned");
         assert!(misled >= 30, "the case isn't rebuilt: {misled}");
-        assert!(decided_wrongly * 10 <= misled, "{decided_wrongly}");
+        assert!(decided_wrongly * 20 <= misled, "{decided_wrongly}");
         assert!(warned * 10 >= misled * 9, "{warned}");
     }
+    let (model, _) = calibrated(&objects.training, &LandmarkOptions::default());
+    let tally = asked(&model, &objects, 0, failing, 3);
+    tally.say("the placement on the same frames");
+    assert!(tally.misnamed * 50 <= tally.trials, "{} misnamed", tally.misnamed);
+    assert!(tally.first * 3 >= tally.trials * 2, "{} right", tally.first);
 }

@@ -65,13 +65,19 @@ pub(super) fn hypotheses(matches: &[Match]) -> Vec<Hypothesis> {
     found
 }
 
+/// Matches whose kernels are computed together.
+const LANES: usize = 16;
+
 /// The predictions of one exemplar's matches in units of the widths, coordinate by coordinate.
 #[derive(Default)]
 struct Cloud {
     members: Vec<u32>,
+    /// Of every member, and then zeros up to a multiple of [`LANES`], as in all that follow.
     coordinates: [Vec<f32>; 5],
+    /// 0 for what was taken away.
     weight: Vec<f32>,
     density: Vec<f32>,
+    /// About one match.
     kernel: Vec<f32>,
 }
 
@@ -99,23 +105,23 @@ impl Cloud {
             self.coordinates.iter_mut().zip(at).for_each(|(all, value)| all.push(value));
             self.weight.push(weight);
         }
-        let count = self.members.len();
+        let padded = self.members.len().next_multiple_of(LANES);
+        self.coordinates.iter_mut().for_each(|all| all.resize(padded, 0.0));
+        self.weight.resize(padded, 0.0);
+        self.kernel.resize(padded, 0.0);
         self.density.clear();
-        self.density.resize(count, 0.0);
-        self.kernel.resize(count, 0.0);
-        for i in 0..count {
-            self.kernel_about(i);
-            self.density[i] = self.kernel.iter().sum();
+        for i in 0..self.members.len() {
+            let density = self.kernel_about(i);
+            self.density.push(density);
         }
     }
 
-    /// What each match adds to the density at match i.
-    fn kernel_about(&mut self, i: usize) {
-        let count = self.members.len();
+    /// The kernel of every match about match i, and the density there.
+    fn kernel_about(&mut self, i: usize) -> f32 {
         let about = [0, 1, 2, 3, 4].map(|axis| self.coordinates[axis][i]);
-        let coordinates = [0, 1, 2, 3, 4].map(|axis| &self.coordinates[axis][..count]);
-        let (weight, out) = (&self.weight[..count], &mut self.kernel[..count]);
-        Arch::new().dispatch(Kernel { about, coordinates, weight, out });
+        let coordinates = self.coordinates.each_ref().map(|all| all.as_chunks().0);
+        let (weight, out) = (self.weight.as_chunks().0, self.kernel.as_chunks_mut().0);
+        Arch::new().dispatch(Kernel { about, coordinates, weight, out })
     }
 
     fn modes(&mut self, group: &[Match], first: usize, found: &mut Vec<Hypothesis>) {
@@ -126,8 +132,10 @@ impl Cloud {
                 return;
             };
             self.kernel_about(top);
-            let kernel = self.kernel[..self.members.len()].to_vec();
-            let members = once_a_window(&self.members, &kernel, group, first);
+            let added = |i: usize| self.kernel[i] * self.weight[i];
+            let agree: Vec<usize> = (0..self.members.len()).filter(|&i| added(i) > 0.0).collect();
+            let members = agree.iter().map(|&i| (self.members[i], added(i))).collect();
+            let members = once_a_window(members, group, first);
             if members.len() < LEAST_MEMBERS {
                 return;
             }
@@ -139,26 +147,21 @@ impl Cloud {
                 members,
             });
             // what agreed is taken away
-            let agreed: Vec<usize> = (0..kernel.len()).filter(|&i| kernel[i] > 0.0).collect();
-            for &i in &agreed {
+            for &i in &agree {
                 self.kernel_about(i);
-                let given = self.density.iter_mut().zip(&self.kernel).zip(&self.weight);
-                for ((density, kernel), weight) in given.filter(|(_, weight)| **weight > 0.0) {
-                    // symmetric but for the weights: K(j, i)·w(i) is what i gave j
-                    *density -= kernel / weight * self.weight[i];
+                for (density, kernel) in self.density.iter_mut().zip(&self.kernel) {
+                    *density -= kernel * self.weight[i];
                 }
                 self.density[i] = f32::NEG_INFINITY;
             }
-            agreed.iter().for_each(|&i| self.weight[i] = 0.0);
+            agree.iter().for_each(|&i| self.weight[i] = 0.0);
         }
     }
 }
 
 /// The matches that agree, in their order: of those of one window of the frame the one that adds most.
-fn once_a_window(members: &[u32], kernel: &[f32], group: &[Match], first: usize) -> Vec<(u32, f32)> {
+fn once_a_window(mut agree: Vec<(u32, f32)>, group: &[Match], first: usize) -> Vec<(u32, f32)> {
     let query = |member: u32| group[member as usize - first].query;
-    let agree = members.iter().zip(kernel).filter(|(_, k)| **k > 0.0);
-    let mut agree: Vec<(u32, f32)> = agree.map(|(member, k)| (*member, *k)).collect();
     agree.sort_by(|a, b| query(a.0).cmp(&query(b.0)).then(b.1.total_cmp(&a.1)));
     agree.dedup_by_key(|(member, _)| query(*member));
     agree.sort_by_key(|(member, _)| *member);
@@ -195,27 +198,36 @@ fn agreed(members: &[(u32, f32)], group: &[Match], first: usize, about: Placemen
 
 struct Kernel<'a> {
     about: [f32; 5],
-    coordinates: [&'a [f32]; 5],
-    weight: &'a [f32],
-    out: &'a mut [f32],
+    coordinates: [&'a [[f32; LANES]]; 5],
+    weight: &'a [[f32; LANES]],
+    out: &'a mut [[f32; LANES]],
 }
 
 impl WithSimd for Kernel<'_> {
-    type Output = ();
+    type Output = f32;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let count = self.out.len();
-        let [x, y, cos, sin, scale] = self.coordinates.map(|axis| &axis[..count]);
-        let weight = &self.weight[..count];
+    fn with_simd<S: Simd>(self, _simd: S) -> f32 {
         let [x0, y0, cos0, sin0, scale0] = self.about;
-        for i in 0..count {
-            let (dx, dy, dc, ds, dl) =
-                (x[i] - x0, y[i] - y0, cos[i] - cos0, sin[i] - sin0, scale[i] - scale0);
-            let left = 1.0 - (dx * dx + dy * dy + dc * dc + ds * ds + dl * dl) * (1.0 / REACH);
-            let left = if left > 0.0 { left } else { 0.0 };
-            self.out[i] = left * left * weight[i];
+        let mut density = [0.0; LANES];
+        for chunk in 0..self.out.len() {
+            let [x, y, cos, sin, scale] = self.coordinates;
+            let (x, y, cos, sin, scale) = (&x[chunk], &y[chunk], &cos[chunk], &sin[chunk], &scale[chunk]);
+            let (weight, out) = (&self.weight[chunk], &mut self.out[chunk]);
+            for i in 0..LANES {
+                let (dx, dy, dc, ds, dl) =
+                    (x[i] - x0, y[i] - y0, cos[i] - cos0, sin[i] - sin0, scale[i] - scale0);
+                let left = 1.0 - (dx * dx + dy * dy + dc * dc + ds * ds + dl * dl) * (1.0 / REACH);
+                let left = if left > 0.0 { left } else { 0.0 };
+                out[i] = left * left;
+                density[i] += out[i] * weight[i];
+            }
         }
+        let mut sum = 0.0;
+        for lane in density {
+            sum += lane;
+        }
+        sum
     }
 }
 

@@ -10,8 +10,10 @@ pub mod confidence;
 mod consensus;
 pub mod contour;
 pub mod description;
+mod matching;
 pub mod model;
 mod naive_bayes;
+mod opinion;
 pub mod options;
 pub mod parts;
 #[cfg(test)]

@@ -3,22 +3,19 @@
 //! Points are asked in batches, each as large as all before it together, until one more changes neither what is
 //! seen nor by how much (A§6 leaves open how many it takes). The paper's method asks all of them at once.
 
-use super::confidence::{EVIDENCE, Evidence};
+use super::confidence::Evidence;
 use super::consensus::{Match, hypotheses};
 use super::contour::Directions;
-use super::description::{Seen, Window};
+use super::description::Seen;
 use super::model::{Exemplar, Landmarks};
-use super::naive_bayes::tally;
+use super::opinion::{Opinion, placed};
 use super::options::{Colour, Method, Viewpoint};
-use super::placement::Placement;
 use super::prior::{coordinates, with_places};
-use super::recognition::{Decision, Instance, LabelVote, Placed, PointVote, Recognition};
-use super::standing::{Standing, in_one_place, standings};
-use super::vote::{label_votes, vote};
+use super::recognition::{Decision, Instance, Recognition};
+use super::standing::{Standing, exact, in_one_place, laid};
 use super::warning::{FEW_POINTS, Warning};
 use crate::eigen::{EigenpointIndex, Neighbour};
 use crate::imaging::Frame;
-use crate::vision::{KeptSpectrum, spectrum_length};
 
 /// The steps of a recognition, in their order; all but the first may come several times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,24 +37,9 @@ const LEAST_BATCH: usize = 128;
 const BATCH_SIDE_PX: usize = 32;
 const BATCH_POINTS: usize = 2;
 /// The margin that no longer moves: it changed by no more than this.
-const STILL: f64 = 0.1;
-/// Correlations at or below this say nothing of turns.
-const LEAST_CORRELATION: f32 = 0.5;
+const STILL: f64 = 0.25;
 /// A rival with more than this part of the best one's W is close.
 const CLOSE: f64 = 0.8;
-/// Rivals below this part of the best one's W count alike, as none.
-const FAR: f64 = 0.05;
-
-/// What all points so far say together.
-struct Opinion {
-    votes: Vec<LabelVote>,
-    points: Vec<PointVote>,
-    exemplar_weights: Vec<f64>,
-    standings: Vec<Standing>,
-    evidence: Evidence,
-    /// The strongest other label in the best one's place, and its part of the best one's W.
-    rival: Option<f64>,
-}
 
 /// What is left of a database when some exemplars are left out.
 pub(super) struct LeftOut {
@@ -67,11 +49,28 @@ pub(super) struct LeftOut {
     rows: Vec<u32>,
 }
 
-/// What must stay for an opinion to stand.
-#[derive(PartialEq)]
-struct Verdict {
+/// What all windows so far say.
+enum Said<'a> {
+    /// Where exemplars lie, about, and what they were laid on.
+    Laid(Vec<Standing>, &'a Directions),
+    /// What windows count for.
+    Counted(Opinion),
+}
+
+/// What must stay as it is for more points not to matter.
+struct Glance {
     best: Option<String>,
     instances: usize,
+    /// How far the best label is ahead of the next: its part of W less the next one's.
+    margin: f64,
+}
+
+impl Glance {
+    fn still(&self, before: &Glance) -> bool {
+        self.best == before.best
+            && self.instances == before.instances
+            && (self.margin - before.margin).abs() <= STILL
+    }
 }
 
 impl Landmarks {
@@ -103,8 +102,8 @@ impl Landmarks {
             Method::Placement => LEAST_BATCH.max(BATCH_POINTS * squares).min(self.options.query_points),
         };
         let (mut windows, mut neighbours, mut matches) = (Vec::new(), Vec::new(), Vec::new());
-        let mut before: Option<(Verdict, f64)> = None;
-        let opinion = loop {
+        let mut before: Option<Glance> = None;
+        let said = loop {
             let seen = self.describer.sign(&mut look, batch); // A§4.3, A§4.4
             finished(Stage::Signature);
             let found = self.nearest(&seen, left_out); // A§4.1, A§4.5
@@ -113,28 +112,37 @@ impl Landmarks {
             self.add_matches(&seen, windows.len(), &found, &mut matches);
             windows.extend(seen.windows);
             neighbours.extend(found);
-            let opinion = match &directions {
+            let said = match &directions {
                 Some(directions) => {
-                    self.placed(&windows, &neighbours, &mut matches, directions, &mut finished)
+                    matches.sort_by_key(|found: &Match| found.exemplar); // stable
+                    let hypotheses = hypotheses(&matches);
+                    finished(Stage::Vote);
+                    let standings = laid(hypotheses, &self.exemplars, directions);
+                    finished(Stage::Verification);
+                    Said::Laid(standings, directions)
                 }
                 None => {
                     let opinion = self.counted(&windows, &neighbours);
                     finished(Stage::Vote);
-                    opinion
+                    Said::Counted(opinion)
                 }
             };
-            batch =
-                (windows.len() / radii).min(self.options.query_points.saturating_sub(windows.len() / radii));
-            let verdict = Verdict {
-                best: opinion.votes.first().map(|vote| vote.label.clone()),
-                instances: self.instances(&opinion.standings).len(),
-            };
-            let margin = margin(&opinion.votes);
-            let settled = before.is_some_and(|(old, at)| old == verdict && (margin - at).abs() <= STILL);
-            if exhausted || batch == 0 || settled {
-                break opinion;
+            let asked = windows.len() / radii;
+            batch = asked.min(self.options.query_points.saturating_sub(asked));
+            let glance = self.glance(&said);
+            if exhausted || batch == 0 || before.is_some_and(|before| glance.still(&before)) {
+                break said;
             }
-            before = Some((verdict, margin));
+            before = Some(glance);
+        };
+        let opinion = match said {
+            Said::Laid(standings, directions) => {
+                let standings = exact(standings, &self.exemplars, directions);
+                let opinion = self.placed(&windows, &neighbours, &matches, standings);
+                finished(Stage::Verification);
+                opinion
+            }
+            Said::Counted(opinion) => opinion,
         };
         let points_used = windows.len() / radii;
         let instances = self.instances(&opinion.standings);
@@ -151,6 +159,26 @@ impl Landmarks {
             warnings,
         };
         (recognition, opinion.evidence)
+    }
+
+    fn glance(&self, said: &Said<'_>) -> Glance {
+        let (instances, weights): (_, Vec<(&str, f64)>) = match said {
+            Said::Laid(standings, _) => {
+                let best = self.best_of_labels(standings);
+                let weights = best.iter().map(|standing| (self.label(standing), standing.weight));
+                (self.instances(standings).len(), weights.collect())
+            }
+            Said::Counted(opinion) => {
+                (0, opinion.votes.iter().map(|vote| (&vote.label[..], vote.weight)).collect())
+            }
+        };
+        let all: f64 = weights.iter().map(|(_, weight)| weight).sum();
+        let margin = match &weights[..] {
+            [] => 0.0,
+            [(_, only)] => only / all,
+            [(_, first), (_, second), ..] => (first - second) / all,
+        };
+        Glance { best: weights.first().map(|(label, _)| (*label).to_owned()), instances, margin }
     }
 
     /// The nearest eigenpoints of every window, rows of equal length.
@@ -188,194 +216,6 @@ impl Landmarks {
     fn wanted(&self) -> usize {
         let beyond = usize::from(self.options.viewpoint == Viewpoint::Upright);
         (self.options.neighbours + beyond).min(self.index.count())
-    }
-
-    /// Where each match would have its exemplar lie, if matches say so.
-    fn add_matches(&self, seen: &Seen, first: usize, neighbours: &[Neighbour], matches: &mut Vec<Match>) {
-        let Some(plan) = self.describer.turns() else { return };
-        if seen.windows.is_empty() {
-            return;
-        }
-        let (row, count) = (plan.length(), neighbours.len() / seen.windows.len());
-        let radii = &self.options.subwindow_radii_px;
-        let queries = seen.windows.iter().zip(seen.spectra.chunks_exact(row));
-        for (query, ((window, spectrum), near)) in
-            queries.zip(neighbours.chunks_exact(count.max(1))).enumerate()
-        {
-            let length = spectrum_length(spectrum);
-            for neighbour in near {
-                let kept = KeptSpectrum {
-                    numbers: &self.spectra[neighbour.index * row..][..row],
-                    length: self.spectrum_lengths[neighbour.index],
-                };
-                let turn = plan.relative_turn(spectrum, length, kept);
-                if turn.correlation <= LEAST_CORRELATION {
-                    continue;
-                }
-                let owned = &self.owned[neighbour.index];
-                let exemplar = &self.exemplars[owned.exemplar as usize];
-                let scale = (radii[window.radius as usize] / radii[owned.window.radius as usize]) as f32;
-                let from = [
-                    owned.window.point.x_px - (exemplar.width_px as f32 - 1.0) / 2.0,
-                    owned.window.point.y_px - (exemplar.height_px as f32 - 1.0) / 2.0,
-                ];
-                let to = [window.point.x_px, window.point.y_px];
-                let about = Placement { x_px: 0.0, y_px: 0.0, rotation_rad: turn.turn_rad, scale };
-                let [x_px, y_px] = about.apply(from);
-                matches.push(Match {
-                    query: (first + query) as u32,
-                    distance: neighbour.distance,
-                    exemplar: owned.exemplar,
-                    placement: Placement { x_px: to[0] - x_px, y_px: to[1] - y_px, ..about },
-                    from,
-                    to,
-                    weight: (turn.correlation - LEAST_CORRELATION).powi(2),
-                });
-            }
-        }
-    }
-
-    /// The opinion of matches that say where exemplars lie.
-    fn placed(
-        &self,
-        windows: &[Window],
-        neighbours: &[Neighbour],
-        matches: &mut [Match],
-        directions: &Directions,
-        finished: &mut impl FnMut(Stage),
-    ) -> Opinion {
-        matches.sort_by_key(|found| found.exemplar); // stable
-        let hypotheses = hypotheses(matches);
-        finished(Stage::Vote);
-        let standings = standings(hypotheses, &self.exemplars, directions);
-
-        let mut exemplar_weights = vec![0.0; self.exemplars.len()];
-        let mut best: Vec<&Standing> = Vec::new();
-        for standing in &standings {
-            let weight: &mut f64 = &mut exemplar_weights[standing.exemplar];
-            *weight = weight.max(standing.weight);
-            if best.iter().all(|other| self.label(other) != self.label(standing)) {
-                best.push(standing);
-            }
-        }
-        // what every point gave, the strongest point first; those that gave nothing with their nearest eigenpoint
-        let mut given: Vec<(u32, usize, f32, f64)> = best
-            .iter()
-            .flat_map(|standing| {
-                standing.members.iter().map(|&(index, weight)| (standing.exemplar, index, weight))
-            })
-            .map(|(exemplar, index, weight)| {
-                let found = &matches[index as usize];
-                (found.query, exemplar, found.distance, weight)
-            })
-            .collect();
-        let mut gave = vec![false; windows.len()];
-        given.iter().for_each(|(query, ..)| gave[*query as usize] = true);
-        let count = neighbours.len() / windows.len().max(1);
-        let nothing = gave.iter().enumerate().filter(|(_, gave)| !**gave && count > 0).map(|(query, _)| {
-            let nearest = &neighbours[query * count];
-            (query as u32, self.owned[nearest.index].exemplar as usize, nearest.distance, 0.0)
-        });
-        given.extend(nothing);
-        given.sort_by_key(|(query, ..)| *query);
-        let salience = |query: u32| windows[query as usize].point.salience;
-        given.sort_by(|(a, ..), (b, ..)| salience(*b).total_cmp(&salience(*a))); // stable
-        let point = |(query, exemplar, distance, weight): (u32, usize, f32, f64)| {
-            let point = windows[query as usize].point;
-            PointVote {
-                x_px: point.x_px,
-                y_px: point.y_px,
-                salience: point.salience,
-                exemplar,
-                distance: f64::from(distance),
-                weight,
-            }
-        };
-        let points: Vec<PointVote> = given.into_iter().map(point).collect();
-        // W is what the points gave, in their order
-        let weight_of = |standing: &Standing| -> f64 {
-            points.iter().filter(|point| point.exemplar == standing.exemplar).map(|point| point.weight).sum()
-        };
-        let all: f64 = best.iter().map(|standing| weight_of(standing)).sum();
-        let votes = best.iter().map(|standing| LabelVote {
-            label: self.label(standing).to_owned(),
-            weight: weight_of(standing),
-            share: weight_of(standing) / all,
-            points: standing.members.len(),
-            placement: Some(placed(standing)),
-        });
-        let opinion = Opinion {
-            votes: votes.collect(),
-            points,
-            exemplar_weights,
-            evidence: standings.first().map_or([0.0; EVIDENCE], |first| self.evidence(first, &standings)),
-            rival: standings.first().and_then(|first| self.rival(first, &standings)),
-            standings,
-        };
-        finished(Stage::Verification);
-        opinion
-    }
-
-    /// The opinion of matches that only count.
-    fn counted(&self, windows: &[Window], neighbours: &[Neighbour]) -> Opinion {
-        let exemplar_of = |index: usize| self.owned[index].exemplar as usize;
-        let (votes, points, exemplar_weights) = match self.options.viewpoint {
-            Viewpoint::Free => {
-                let count = if neighbours.is_empty() { 1 } else { neighbours.len() / windows.len() };
-                let nearest = neighbours.iter().step_by(count);
-                let matches = windows
-                    .iter()
-                    .zip(nearest)
-                    .map(|(window, n)| (window.point, exemplar_of(n.index), f64::from(n.distance)));
-                vote(matches, &self.exemplars, &self.options) // A§4.5
-            }
-            Viewpoint::Upright => {
-                let count = if neighbours.is_empty() { 1 } else { neighbours.len() / windows.len() };
-                let rows = windows.iter().map(|window| window.point).zip(neighbours.chunks_exact(count));
-                let mut tally = tally(rows, exemplar_of, &self.exemplars);
-                tally.points.sort_by(|a, b| b.salience.total_cmp(&a.salience)); // stable
-                let votes = label_votes(&tally.points, &self.exemplars);
-                (votes, tally.points, tally.exemplar_weights)
-            }
-        };
-        let rival = match &votes[..] {
-            [first, second, ..] => Some(second.weight / first.weight),
-            _ => None,
-        };
-        let evidence = votes.first().map_or([0.0; EVIDENCE], |first| {
-            let asked = windows.len() as f64;
-            let next = votes.get(1).map_or(0, |second| second.points);
-            [
-                -rival.unwrap_or(FAR).max(FAR).ln(),
-                first.points.saturating_sub(next) as f64 / asked,
-                first.points as f64 / asked,
-                (first.points as f64).ln(),
-            ]
-        });
-        Opinion { votes, points, exemplar_weights, standings: Vec::new(), evidence, rival }
-    }
-
-    fn label(&self, standing: &Standing) -> &str {
-        &self.exemplars[standing.exemplar].label
-    }
-
-    /// The strongest standing of another label in the same place: its part of this one's W.
-    fn rival(&self, standing: &Standing, all: &[Standing]) -> Option<f64> {
-        let others = all.iter().filter(|other| {
-            self.label(other) != self.label(standing) && in_one_place(standing, other, &self.exemplars)
-        });
-        others.map(|other| other.weight / standing.weight).reduce(f64::max)
-    }
-
-    /// What speaks for a standing.
-    fn evidence(&self, standing: &Standing, all: &[Standing]) -> Evidence {
-        let rival = self.rival(standing, all).unwrap_or(FAR).clamp(FAR, 1.0);
-        [
-            (1.0 + 10.0 * standing.weight).ln(),
-            f64::from(standing.agreement.max(0.0)),
-            -rival.ln(),
-            (standing.members.len() as f64).ln(),
-        ]
     }
 
     /// The standings that are sure enough, each the best in its place.
@@ -437,28 +277,11 @@ impl Landmarks {
     }
 }
 
-/// How far the best label is ahead of the next: its part of W less the next one's.
-fn margin(votes: &[LabelVote]) -> f64 {
-    match votes {
-        [] => 0.0,
-        [only] => only.share,
-        [first, second, ..] => first.share - second.share,
-    }
-}
-
-fn placed(standing: &Standing) -> Placed {
-    Placed {
-        exemplar: standing.exemplar,
-        placement: standing.placement,
-        inliers: standing.members.len(),
-        agreement: standing.agreement,
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::confidence::EVIDENCE;
     use super::super::pictures::{described, name, paper, toy};
-    use super::super::{LandmarkOptions, PerLabel, Taper, describe, rehearsals};
+    use super::super::{LandmarkOptions, PerLabel, Placed, Taper, describe, rehearsals};
     use super::*;
     use crate::imaging::Image;
 

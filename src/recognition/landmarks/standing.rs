@@ -9,7 +9,7 @@ use super::placement::Placement;
 const LAID: usize = 96;
 const REFINED: usize = 12;
 /// Hypotheses weaker than this part of the best one are not looked at any longer.
-const LEAST_PART: f32 = 0.05;
+const LEAST_PART: f64 = 0.05;
 /// Steps of the search for the exact place: so many pixels, radians, and parts of the scale.
 const STEPS: [f32; 2] = [1.0, 0.5];
 const STEP_RAD: f32 = 0.02;
@@ -27,81 +27,81 @@ pub(super) struct Standing {
     pub agreement: f32,
     /// W: the agreement on the picture times the root of the density of matches.
     pub weight: f64,
-    /// Index of each agreeing match, and its part of W.
-    pub members: Vec<(u32, f64)>,
+    /// Index of each agreeing match, and what it adds to the density.
+    members: Vec<(u32, f32)>,
+    density: f32,
 }
 
-/// The hypotheses with W > 0, the best first.
-pub(super) fn standings(
-    hypotheses: Vec<Hypothesis>,
-    exemplars: &[Exemplar],
-    frame: &Directions,
-) -> Vec<Standing> {
-    let weight = |density: f32, agreement: f32| agreement.max(0.0) * density.sqrt();
-    let mut laid: Vec<(Hypothesis, f32)> = hypotheses
-        .into_iter()
-        .take(LAID)
-        .map(|hypothesis| {
-            let template = Template::of(&exemplars[hypothesis.exemplar].contour);
-            let agreement = template.agreement(&hypothesis.placement, frame);
-            (hypothesis, agreement)
-        })
-        .collect();
-    laid.sort_by(|(a, at_a), (b, at_b)| weight(b.density, *at_b).total_cmp(&weight(a.density, *at_a)));
-    // of one label one exemplar in one place: many views of a thing don't crowd out another
-    let mut apart: Vec<(Hypothesis, f32)> = Vec::new();
-    for (hypothesis, agreement) in laid {
-        let taken = |(other, _): &(Hypothesis, f32)| {
-            exemplars[other.exemplar].label == exemplars[hypothesis.exemplar].label
-                && near(
-                    other.exemplar,
-                    &other.placement,
-                    hypothesis.exemplar,
-                    &hypothesis.placement,
-                    exemplars,
-                )
-        };
-        let weak = apart.first().is_some_and(|(best, at_best)| {
-            weight(hypothesis.density, agreement) < LEAST_PART * weight(best.density, *at_best)
-        });
-        if apart.len() < REFINED && !weak && !apart.iter().any(taken) {
-            apart.push((hypothesis, agreement));
+impl Standing {
+    fn new(hypothesis: Hypothesis, agreement: f32) -> Standing {
+        let Hypothesis { exemplar, placement, density, members } = hypothesis;
+        let weight = f64::from(agreement.max(0.0) * density.sqrt());
+        Standing { exemplar, placement, agreement, weight, members, density }
+    }
+
+    /// Matches that agree.
+    pub fn inliers(&self) -> usize {
+        self.members.len()
+    }
+
+    /// Index of each agreeing match, and its part of W.
+    pub fn given(&self) -> impl Iterator<Item = (u32, f64)> {
+        let part = self.weight / f64::from(self.density);
+        self.members.iter().map(move |&(index, density)| (index, part * f64::from(density)))
+    }
+}
+
+/// The hypotheses laid on the frame where their matches say, the best first, none with W = 0: of one label one
+/// exemplar in one place, so that many views of a thing don't crowd out another.
+pub(super) fn laid(hypotheses: Vec<Hypothesis>, exemplars: &[Exemplar], frame: &Directions) -> Vec<Standing> {
+    let look = |hypothesis: Hypothesis| {
+        let template = Template::of(&exemplars[hypothesis.exemplar].contour);
+        let agreement = template.agreement(&hypothesis.placement, frame);
+        Standing::new(hypothesis, agreement)
+    };
+    let mut standings: Vec<Standing> = hypotheses.into_iter().take(LAID).map(look).collect();
+    best_first(&mut standings);
+    let least = standings.first().map_or(0.0, |best| LEAST_PART * best.weight);
+    let label = |standing: &Standing| &exemplars[standing.exemplar].label;
+    let mut apart: Vec<Standing> = Vec::new();
+    for standing in standings.into_iter().filter(|standing| standing.weight >= least) {
+        let taken = apart
+            .iter()
+            .any(|other| label(other) == label(&standing) && in_one_place(other, &standing, exemplars));
+        if apart.len() < REFINED && !taken {
+            apart.push(standing);
         }
     }
-    let mut standings: Vec<Standing> = apart
-        .into_iter()
-        .map(|(hypothesis, _)| {
-            let template = Template::of(&exemplars[hypothesis.exemplar].contour);
-            let value = |placement: &Placement| template.agreement(placement, frame);
-            let (placement, agreement) = refined(hypothesis.placement, value);
-            // W is what its points give: their sum, not the other way round
-            let part = f64::from(weight(hypothesis.density, agreement) / hypothesis.density);
-            let members: Vec<(u32, f64)> = hypothesis
-                .members
-                .iter()
-                .map(|&(index, density)| (index, part * f64::from(density)))
-                .collect();
-            let weight = members.iter().map(|(_, weight)| weight).sum();
-            Standing { exemplar: hypothesis.exemplar, placement, agreement, weight, members }
-        })
-        .filter(|standing| standing.weight > 0.0)
-        .collect();
-    standings.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.exemplar.cmp(&b.exemplar)));
+    apart
+}
+
+/// The same where they agree best with the frame, near where they were.
+pub(super) fn exact(standings: Vec<Standing>, exemplars: &[Exemplar], frame: &Directions) -> Vec<Standing> {
+    let look = |standing: Standing| {
+        let template = Template::of(&exemplars[standing.exemplar].contour);
+        let (placement, agreement) =
+            refined(standing.placement, |placement| template.agreement(placement, frame));
+        let Standing { exemplar, density, members, .. } = standing;
+        Standing::new(Hypothesis { exemplar, placement, density, members }, agreement)
+    };
+    let mut standings: Vec<Standing> = standings.into_iter().map(look).collect();
+    best_first(&mut standings);
     standings
+}
+
+fn best_first(standings: &mut Vec<Standing>) {
+    standings.retain(|standing| standing.weight > 0.0);
+    standings.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.exemplar.cmp(&b.exemplar)));
 }
 
 /// Whether two exemplars would lie in one place.
 pub(super) fn in_one_place(a: &Standing, b: &Standing, exemplars: &[Exemplar]) -> bool {
-    near(a.exemplar, &a.placement, b.exemplar, &b.placement, exemplars)
-}
-
-fn near(a: usize, at_a: &Placement, b: usize, at_b: &Placement, exemplars: &[Exemplar]) -> bool {
-    let side_px = |exemplar: usize, at: &Placement| {
-        let Exemplar { width_px, height_px, .. } = &exemplars[exemplar];
-        at.scale * (*width_px as f32 + *height_px as f32) / 2.0
+    let side_px = |Standing { exemplar, placement, .. }: &Standing| {
+        let Exemplar { width_px, height_px, .. } = &exemplars[*exemplar];
+        placement.scale * (*width_px as f32 + *height_px as f32) / 2.0
     };
-    let off_px = (at_a.x_px - at_b.x_px).hypot(at_a.y_px - at_b.y_px);
-    off_px < SAME_PLACE * side_px(a, at_a).min(side_px(b, at_b))
+    let off_px = (a.placement.x_px - b.placement.x_px).hypot(a.placement.y_px - b.placement.y_px);
+    off_px < SAME_PLACE * side_px(a).min(side_px(b))
 }
 
 /// The placement near `start` with the highest value, by steps along each of its four numbers.
