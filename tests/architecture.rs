@@ -48,7 +48,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
 const WIRING: [&str; 5] = ["lib", "main", "serve", "demo", "evaluate"];
 
 /// Where a word may stand: folders or files of `src`.
-const DOORS: [(&str, &[&str]); 30] = [
+const DOORS: [(&str, &[&str]); 32] = [
     ("image::", &["imaging"]),
     ("embedded_graphics", &["imaging"]),
     ("colorous", &["imaging/false_colour.rs"]),
@@ -61,13 +61,16 @@ const DOORS: [(&str, &[&str]); 30] = [
     ("sqlx", &["store"]),
     ("object_store", &["store"]),
     ("blake3", &["store"]),
+    // The one crypto provider of the process is installed there.
+    ("rustls", &["store/bucket.rs", "main.rs", "demo/client.rs"]),
     // The sum of an exemplar's bytes is part of the contract, not of the store.
     ("sha2", &["database/exemplar.rs"]),
     ("safetensors", &["database/artifact"]),
     ("arc_swap", &["database/registry.rs"]),
+    ("glob::", &["config.rs", "database"]),
     ("rayon", &["compute.rs"]),
     ("prometheus", &["telemetry.rs"]),
-    ("tracing", &["database", "jobs", "http", "serve.rs", "main.rs", "demo", "evaluate"]),
+    ("tracing", &["store/cache.rs", "database", "jobs", "http", "serve.rs", "main.rs", "demo", "evaluate"]),
     ("tracing_subscriber", &["telemetry.rs"]),
     ("axum::", &["http"]),
     ("utoipa", &["http"]),

@@ -104,9 +104,12 @@ impl Server {
         if url.cannot_be_a_base() {
             return Err(address());
         }
+        // One provider for the whole process; somebody else may have installed it.
+        rustls::crypto::ring::default_provider().install_default().ok();
         let http = reqwest::Client::builder()
             .timeout(PATIENCE)
             .no_proxy()
+            .tls_certs_only([])
             .build()
             .map_err(|source| DemoError::NoAnswer { call: base_url.to_owned(), source })?;
         Ok(Server { base_url: url, http })

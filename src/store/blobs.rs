@@ -16,14 +16,20 @@ use futures_util::TryStreamExt;
 use jiff::Timestamp;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
-use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt, PutMode};
+use object_store::{GetResult, ObjectMeta, ObjectStore, ObjectStoreExt};
 use tokio::sync::RwLock;
+use uuid::Uuid;
 
+use super::bucket;
+use super::cache::Cache;
 use super::catalogue::{Catalogue, CatalogueError};
 use super::folder::FolderLock;
 
 /// An object beside the blobs whose presence shows that the store is there and is ours.
 const MARKER: &str = "landmarkd-blobs";
+const MARKER_WORDS: &[u8] = b"blobs of landmarkd, named by content\n";
+/// Where a bucket's orphans wait before they are deleted.
+const ASIDE: &str = "set-aside";
 
 /// The name of a blob: the BLAKE3 hash of its content.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,10 +51,14 @@ impl BlobName {
         Path::from_iter([&digits[..2], digits.as_str()])
     }
 
+    fn path_aside(&self) -> Path {
+        Path::from_iter([ASIDE, self.to_string().as_str()])
+    }
+
     /// The name of a stored object; none for anything that isn't a blob.
     fn at(path: &Path) -> Option<Self> {
         let name: Self = path.filename()?.parse().ok()?;
-        (name.path() == *path).then_some(name)
+        (name.path() == *path || name.path_aside() == *path).then_some(name)
     }
 }
 
@@ -134,9 +144,20 @@ impl From<io::Error> for BlobError {
 #[derive(Debug, Clone)]
 pub struct Blobs {
     store: Arc<dyn ObjectStore>,
-    /// Shared by those who put, held alone by the collector while it looks at an orphan's age and deletes it.
-    collection: Arc<RwLock<()>>,
-    _lock: Arc<FolderLock>,
+    place: Arc<Place>,
+}
+
+/// Where the blobs are, and what that asks for.
+#[derive(Debug)]
+enum Place {
+    Folder {
+        /// Shared by those who put, held alone by the collector while it looks at an orphan's age and deletes it.
+        collection: RwLock<()>,
+        _lock: Arc<FolderLock>,
+    },
+    Bucket {
+        cache: Cache,
+    },
 }
 
 impl Blobs {
@@ -153,14 +174,40 @@ impl Blobs {
             std::fs::create_dir_all(folder)?;
         }
         let store = LocalFileSystem::new_with_prefix(folder)?.with_fsync(true);
-        let blobs = Self { store: Arc::new(store), collection: Arc::default(), _lock: lock };
+        let place = Place::Folder { collection: RwLock::default(), _lock: lock };
+        let blobs = Self { store: Arc::new(store), place: Arc::new(place) };
         if new {
-            let words = Bytes::from_static(b"blobs of landmarkd, named by content\n");
-            blobs.store.put(&Path::from(MARKER), words.into()).await?;
+            blobs.mark(Bytes::from_static(MARKER_WORDS)).await?;
         }
         blobs.ping().await?;
         remove_unfinished(folder)?;
         Ok(blobs)
+    }
+
+    /// Opens the blobs in a bucket, which other processes of the same catalogue may use and open too; `None` if it
+    /// is marked with another catalogue, whose blobs would be orphans here.
+    pub(super) async fn in_bucket(
+        store: Arc<dyn ObjectStore>,
+        cache: Cache,
+        catalogue: Uuid,
+    ) -> object_store::Result<Option<Self>> {
+        let blobs = Self { store, place: Arc::new(Place::Bucket { cache }) };
+        let words = [MARKER_WORDS, format!("catalogue {catalogue}\n").as_bytes()].concat();
+        let found = match blobs.store.get(&Path::from(MARKER)).await {
+            Err(object_store::Error::NotFound { .. }) => {
+                blobs.mark(words.clone().into()).await?;
+                // Whoever marked it at the same moment has it.
+                blobs.store.get(&Path::from(MARKER)).await?
+            }
+            found => found?,
+        };
+        Ok((found.bytes().await? == words).then_some(blobs))
+    }
+
+    /// Says whose the store is; saying it twice is no harm.
+    async fn mark(&self, words: Bytes) -> object_store::Result<()> {
+        self.store.put(&Path::from(MARKER), words.into()).await?;
+        Ok(())
     }
 
     /// Succeeds when the store is there.
@@ -171,34 +218,41 @@ impl Blobs {
 
     /// Stores a content durably and names it; one that is already there is a success.
     ///
-    /// Storing it again renews its age, so that the collector leaves it alone until its row is written, and
-    /// mends it if it was damaged.
+    /// It is always written: that renews the age of a blob, so that the collector leaves it alone until its row is
+    /// written, and mends it if it was damaged.
     pub async fn put(&self, content: Bytes) -> Result<BlobName, BlobError> {
         let name = name_of(content.clone()).await?;
-        let _not_collecting = self.collection.read().await;
-        // A folder whose disk went away would take writes, and lose them when the disk comes back.
-        self.ping().await?;
-        let created = self.store.put_opts(&name.path(), content.clone().into(), PutMode::Create.into()).await;
-        match created {
-            Ok(_) => {}
-            Err(object_store::Error::AlreadyExists { .. }) => {
+        match &*self.place {
+            Place::Folder { collection, .. } => {
+                let _not_collecting = collection.read().await;
+                // A folder whose disk went away would take writes, and lose them when the disk comes back.
+                self.ping().await?;
                 self.store.put(&name.path(), content.into()).await?;
             }
-            Err(error) => return Err(error.into()),
+            Place::Bucket { .. } => bucket::upload(&*self.store, &name.path(), content).await?,
         }
         Ok(name)
     }
 
     /// Reads a blob and proves its content. Errors: `NotFound`, `TooLarge`, `Corrupt`.
+    ///
+    /// What was read from a bucket before may come from this machine's cache, without a request.
     pub async fn get(&self, name: &BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
-        let found = match self.store.get(&name.path()).await {
-            Err(object_store::Error::NotFound { .. }) => {
-                // Nothing is there when the whole store is away.
-                self.ping().await?;
-                return Err(BlobError::NotFound { name: *name });
+        let Place::Bucket { cache } = &*self.place else { return self.fetch(name, max_bytes).await };
+        if let Some(content) = cache.get(*name).await {
+            let bytes = content.len() as u64;
+            if bytes > max_bytes {
+                return Err(BlobError::TooLarge { name: *name, bytes, max_bytes });
             }
-            other => other?,
-        };
+            return Ok(content);
+        }
+        let content = self.fetch(name, max_bytes).await?;
+        cache.keep(*name, content.clone()).await;
+        Ok(content)
+    }
+
+    async fn fetch(&self, name: &BlobName, max_bytes: u64) -> Result<Bytes, BlobError> {
+        let found = self.open(name).await?;
         let bytes = found.meta.size;
         if bytes > max_bytes {
             return Err(BlobError::TooLarge { name: *name, bytes, max_bytes });
@@ -208,20 +262,16 @@ impl Blobs {
         if found == *name { Ok(content) } else { Err(BlobError::Corrupt { name: *name, found }) }
     }
 
-    /// True when the blob is there; its content isn't read.
-    pub async fn exists(&self, name: &BlobName) -> Result<bool, BlobError> {
-        Ok(self.metadata(name).await?.is_some())
-    }
-
-    /// Deletes a blob; false when there was none.
-    ///
-    /// The caller knows that no row names it; `Blobs::collect_orphans` is the way that finds out.
-    pub async fn delete(&self, name: &BlobName) -> Result<bool, BlobError> {
-        match self.store.delete(&name.path()).await {
-            Ok(()) => Ok(true),
-            Err(object_store::Error::NotFound { .. }) => Ok(false),
-            Err(error) => Err(error.into()),
+    async fn open(&self, name: &BlobName) -> Result<GetResult, BlobError> {
+        for path in [name.path(), name.path_aside()] {
+            match self.store.get(&path).await {
+                Err(object_store::Error::NotFound { .. }) => {}
+                other => return Ok(other?),
+            }
         }
+        // Nothing is there when the whole store is away.
+        self.ping().await?;
+        Err(BlobError::NotFound { name: *name })
     }
 
     /// Deletes the blobs that no row names and that were put longer ago than `older_than`; gives their number.
@@ -229,6 +279,10 @@ impl Blobs {
     /// `older_than` must exceed the time that a request or a job may take between putting a blob and writing its
     /// row. Whatever else stands in the store is left alone. Errors: `Catalogue`; what was deleted until then was
     /// rightly deleted.
+    ///
+    /// In a bucket another process may put an orphan again between a look at its age and its deletion; S3 has no
+    /// deletion that asks for the age. An orphan is therefore set aside first, where it is still read, and deleted
+    /// from there if no row names it after `older_than` once more. One that a row names by then stays there.
     pub async fn collect_orphans(
         &self,
         older_than: Duration,
@@ -238,29 +292,48 @@ impl Blobs {
         let mut objects = self.store.list(None);
         while let Some(object) = objects.try_next().await? {
             let Some(name) = BlobName::at(&object.location) else { continue };
-            if is_older(&object, older_than)
-                && !is_referenced(&name, catalogue).await?
-                && self.delete_if_older(&name, older_than).await?
-            {
-                removed += 1;
+            if !is_older(&object, older_than) || is_referenced(&name, catalogue).await? {
+                continue;
             }
+            let is_removed = match &*self.place {
+                Place::Folder { collection, .. } => {
+                    // Looks at the age once more with everybody who puts kept out: one put again meanwhile stays.
+                    let _collecting = collection.write().await;
+                    self.delete_if_older(&object.location, older_than).await?
+                }
+                Place::Bucket { .. } if object.location == name.path() => {
+                    self.set_aside(&name, older_than).await?;
+                    false
+                }
+                Place::Bucket { .. } => self.delete_if_older(&object.location, older_than).await?,
+            };
+            removed += u64::from(is_removed);
         }
         Ok(removed)
     }
 
-    /// Looks at the age once more with everybody who puts kept out: a blob put again in the meantime stays.
-    async fn delete_if_older(&self, name: &BlobName, older_than: Duration) -> Result<bool, BlobError> {
-        let _collecting = self.collection.write().await;
-        match self.metadata(name).await? {
-            Some(metadata) if is_older(&metadata, older_than) => self.delete(name).await,
-            _ => Ok(false),
+    /// Copies an orphan to where nobody puts, and only then deletes it; the copy is young.
+    async fn set_aside(&self, name: &BlobName, older_than: Duration) -> Result<(), BlobError> {
+        match self.store.copy(&name.path(), &name.path_aside()).await {
+            // Another process was first.
+            Err(object_store::Error::NotFound { .. }) => return Ok(()),
+            copied => copied?,
         }
+        self.delete_if_older(&name.path(), older_than).await?;
+        Ok(())
     }
 
-    async fn metadata(&self, name: &BlobName) -> Result<Option<ObjectMeta>, BlobError> {
-        match self.store.head(&name.path()).await {
-            Ok(metadata) => Ok(Some(metadata)),
-            Err(object_store::Error::NotFound { .. }) => Ok(None),
+    async fn delete_if_older(&self, path: &Path, older_than: Duration) -> Result<bool, BlobError> {
+        let object = match self.store.head(path).await {
+            Err(object_store::Error::NotFound { .. }) => return Ok(false),
+            object => object?,
+        };
+        if !is_older(&object, older_than) {
+            return Ok(false);
+        }
+        match self.store.delete(path).await {
+            Ok(()) => Ok(true),
+            Err(object_store::Error::NotFound { .. }) => Ok(false),
             Err(error) => Err(error.into()),
         }
     }
@@ -301,7 +374,29 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+    use crate::store::suite::blobs::{Opened, blob_suite};
     use crate::store::{ExemplarRow, Folder, open_folder};
+
+    async fn folder() -> (Opened, Fixture) {
+        let fixture = Fixture::new().await;
+        let blobs = fixture.blobs().clone();
+        let directory = fixture.directory.path().to_owned();
+        let damage = Box::new(move |name, content: &[u8]| {
+            std::fs::write(file_in(&directory, name), content).unwrap();
+        });
+        (Opened { twin: blobs.clone(), blobs, damage }, fixture)
+    }
+
+    mod a_folder_keeps_every_promise {
+        use super::{blob_suite, folder};
+
+        blob_suite!(folder, cfg(test));
+    }
+
+    fn file_in(data_dir: &FilePath, name: BlobName) -> PathBuf {
+        let digits = name.to_string();
+        data_dir.join("blobs").join(&digits[..2]).join(digits)
+    }
 
     struct Fixture {
         directory: tempfile::TempDir,
@@ -320,8 +415,11 @@ mod tests {
         }
 
         fn file(&self, name: BlobName) -> PathBuf {
-            let digits = name.to_string();
-            self.directory.path().join("blobs").join(&digits[..2]).join(digits)
+            file_in(self.directory.path(), name)
+        }
+
+        async fn holds(&self, name: BlobName) -> bool {
+            self.blobs().get(&name, 100).await.is_ok()
         }
 
         /// Makes a blob look as if it had been put an hour ago.
@@ -361,66 +459,6 @@ mod tests {
     }
 
     const HALF_AN_HOUR: Duration = Duration::from_secs(1800);
-
-    #[tokio::test]
-    async fn a_blob_comes_back_under_the_hash_of_its_content() {
-        let fixture = Fixture::new().await;
-        fixture.blobs().ping().await.unwrap();
-        for content in [Bytes::new(), Bytes::from_static(b"picture"), Bytes::from(vec![7; 3 << 20])] {
-            let name = fixture.blobs().put(content.clone()).await.unwrap();
-            assert_eq!(name, BlobName::of(&content));
-            assert!(fixture.file(name).is_file());
-            assert!(fixture.blobs().exists(&name).await.unwrap());
-            assert_eq!(fixture.blobs().get(&name, content.len() as u64).await.unwrap(), content);
-            assert_eq!(fixture.blobs().put(content).await.unwrap(), name);
-            assert!(fixture.blobs().delete(&name).await.unwrap());
-            assert!(!fixture.blobs().delete(&name).await.unwrap());
-            assert!(!fixture.blobs().exists(&name).await.unwrap());
-            let gone = fixture.blobs().get(&name, 1).await.unwrap_err();
-            assert!(matches!(gone, BlobError::NotFound { .. }), "{gone:?}");
-        }
-    }
-
-    #[tokio::test]
-    async fn a_blob_put_by_many_at_once_is_one_blob() {
-        let fixture = Fixture::new().await;
-        let content = Bytes::from(vec![1; 100_000]);
-        let puts = (0..16).map(|_| {
-            let (blobs, content) = (fixture.blobs().clone(), content.clone());
-            tokio::spawn(async move { blobs.put(content).await.unwrap() })
-        });
-        let names: Vec<_> =
-            futures_util::future::join_all(puts).await.into_iter().map(Result::unwrap).collect();
-        assert!(names.iter().all(|name| *name == BlobName::of(&content)));
-        assert_eq!(fixture.blobs().get(&names[0], 100_000).await.unwrap(), content);
-        let folder = fixture.file(names[0]).parent().unwrap().to_owned();
-        assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1);
-    }
-
-    #[tokio::test]
-    async fn a_damaged_blob_is_refused_and_putting_it_again_mends_it() {
-        let fixture = Fixture::new().await;
-        let name = fixture.blobs().put("picture".into()).await.unwrap();
-        for damaged in ["pictvre", "pict", ""] {
-            std::fs::write(fixture.file(name), damaged).unwrap();
-            let refused = fixture.blobs().get(&name, 100).await.unwrap_err();
-            let found = BlobName::of(damaged.as_bytes());
-            assert!(
-                matches!(refused, BlobError::Corrupt { found: hash, .. } if hash == found),
-                "{refused:?}"
-            );
-        }
-        fixture.blobs().put("picture".into()).await.unwrap();
-        assert_eq!(fixture.blobs().get(&name, 100).await.unwrap(), "picture");
-    }
-
-    #[tokio::test]
-    async fn a_blob_larger_than_allowed_is_not_read() {
-        let fixture = Fixture::new().await;
-        let name = fixture.blobs().put("picture".into()).await.unwrap();
-        let refused = fixture.blobs().get(&name, 6).await.unwrap_err();
-        assert!(matches!(refused, BlobError::TooLarge { bytes: 7, max_bytes: 6, .. }), "{refused:?}");
-    }
 
     #[test]
     fn only_sixty_four_lower_case_hexadecimal_digits_are_a_name() {
@@ -465,9 +503,9 @@ mod tests {
 
         assert_eq!(fixture.collect(Duration::from_secs(7200)).await, 0);
         assert_eq!(fixture.collect(HALF_AN_HOUR).await, 1);
-        assert!(fixture.blobs().exists(&used).await.unwrap());
-        assert!(!fixture.blobs().exists(&orphan).await.unwrap());
-        assert!(fixture.blobs().exists(&young).await.unwrap());
+        assert!(fixture.holds(used).await);
+        assert!(!fixture.holds(orphan).await);
+        assert!(fixture.holds(young).await);
         assert!(foreign.exists());
         fixture.blobs().ping().await.unwrap();
     }
@@ -478,11 +516,13 @@ mod tests {
         let name = fixture.blobs().put("picture".into()).await.unwrap();
         fixture.age(name);
         fixture.blobs().put("picture".into()).await.unwrap();
+        // One file: of a write that was put over another nothing is left beside it.
+        assert_eq!(std::fs::read_dir(fixture.file(name).parent().unwrap()).unwrap().count(), 1);
         assert_eq!(fixture.collect(HALF_AN_HOUR).await, 0);
         // As the collector would find it that had looked at the age before the blob was put again.
-        assert!(!fixture.blobs().delete_if_older(&name, HALF_AN_HOUR).await.unwrap());
+        assert!(!fixture.blobs().delete_if_older(&name.path(), HALF_AN_HOUR).await.unwrap());
         fixture.age(name);
-        assert!(fixture.blobs().delete_if_older(&name, HALF_AN_HOUR).await.unwrap());
+        assert!(fixture.blobs().delete_if_older(&name.path(), HALF_AN_HOUR).await.unwrap());
     }
 
     #[tokio::test]

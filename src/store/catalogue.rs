@@ -1,7 +1,7 @@
 //! The catalogue: one trait, and its rows as plain structs.
 //!
 //! Rows are disk shapes: JSON stands in them as text, and nothing here checks a name or an option; the rooms
-//! above do. The catalogue reads the clock itself; times have microsecond resolution, UTC. Lists are pages:
+//! above do. The catalogue reads the clock itself, a shared one its server's; times have microsecond resolution, UTC. Lists are pages:
 //! `after` is the key of the last row seen, `limit` the most rows to give.
 //!
 //! Two guards keep writers apart. An alias carries a revision, and moves by compare-and-swap. A job carries a
@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use async_trait::async_trait;
 use jiff::Timestamp;
+use tokio::sync::watch;
 use uuid::Uuid;
 
 /// What a catalogue call can fail with.
@@ -52,6 +53,30 @@ pub enum CatalogueError {
         #[source]
         source: Option<Box<dyn std::error::Error + Send + Sync>>,
     },
+}
+
+impl CatalogueError {
+    /// The error for a database that isn't there.
+    pub(super) fn no_database(name: &str) -> Self {
+        Self::NotFound { what: format!("database {name:?}") }
+    }
+
+    /// The error for a version that isn't there.
+    pub(super) fn no_version(database: &str, version: i64) -> Self {
+        Self::NotFound { what: format!("version {version} of database {database:?}") }
+    }
+
+    /// The error for a calibration that isn't there.
+    pub(super) fn no_calibration(name: &str) -> Self {
+        Self::NotFound { what: format!("calibration {name:?}") }
+    }
+
+    /// The error for the deletion of a version that is in use.
+    pub(super) fn aliased(database: &str, version: i64, alias: &str) -> Self {
+        Self::Conflict {
+            what: format!("alias {alias:?} points to version {version} of database {database:?}"),
+        }
+    }
 }
 
 /// A named database of exemplars and the versions trained from them.
@@ -323,6 +348,19 @@ pub struct JobEventRow {
     pub created_at: Timestamp,
 }
 
+/// A process of a fleet, as it told of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProcessRow {
+    /// Unique to the process.
+    pub worker: String,
+    pub role: String,
+    /// JSON: what it serves.
+    pub serving: String,
+    pub started_at: Timestamp,
+    /// When it last told; what the caller puts here is ignored.
+    pub seen_at: Timestamp,
+}
+
 /// The one truth about databases, exemplars, versions, aliases, calibrations, workcells and jobs.
 ///
 /// Every call is one transaction: it happened wholly, durably, or not at all. Dropping the future of a call
@@ -573,7 +611,8 @@ pub trait Catalogue: Send + Sync + 'static {
 
     /// Ends the leases of every other owner now; gives the number that had time left.
     ///
-    /// Only for an embedded catalogue, where holding the folder's lock proves that every other owner is dead.
+    /// Only for an embedded catalogue, where holding the folder's lock proves that every other owner is dead. A
+    /// shared one leaves them to run out, and gives 0.
     async fn release_dead_leases(&self, except_owner: &str) -> Result<u64, CatalogueError>;
 
     /// What happened to a job after the event `after` (0: from its first state on), in order.
@@ -584,6 +623,19 @@ pub trait Catalogue: Send + Sync + 'static {
     /// How many jobs there are in each state that has any.
     async fn jobs_by_state(&self) -> Result<Vec<(JobState, u64)>, CatalogueError>;
 
+    /// Tells the other processes of this one. A catalogue that one process holds keeps nothing.
+    async fn note_process(&self, row: &ProcessRow) -> Result<(), CatalogueError>;
+
+    /// The processes that told of themselves not longer ago than `fresh`, by the time of their start.
+    async fn processes(&self, fresh: Duration) -> Result<Vec<ProcessRow>, CatalogueError>;
+
     /// True while an exemplar, a version or a job that hasn't ended names this blob.
     async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError>;
+
+    /// A number that grows soon after any process moved or deleted an alias, queued a job, asked one to end, or
+    /// deleted what jobs are about.
+    ///
+    /// No more than a hint: it may grow for nothing, and says nothing while the catalogue can't be reached, so
+    /// whoever waits for it looks now and then all the same. What happened before this call counts as seen.
+    fn hints(&self) -> watch::Receiver<u64>;
 }

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 use super::blobs::{BlobError, Blobs};
 use super::catalogue::Catalogue;
-use super::sqlite::{OpenCatalogueError, SqliteCatalogue};
+use super::open::OpenCatalogueError;
+use super::sqlite::SqliteCatalogue;
 
 /// Why the data folder can't be opened.
 #[derive(Debug, thiserror::Error)]
@@ -132,7 +133,7 @@ mod tests {
     use std::error::Error;
 
     use super::*;
-    use crate::store::suite::catalogue_suite;
+    use crate::store::suite::{self, catalogue_suite};
     use crate::store::{AliasExpectation, BlobName, NewVersion};
 
     async fn empty() -> (Arc<dyn Catalogue>, (tempfile::TempDir, Blobs)) {
@@ -145,6 +146,12 @@ mod tests {
         use super::{catalogue_suite, empty};
 
         catalogue_suite!(empty);
+    }
+
+    #[tokio::test]
+    async fn the_leases_of_dead_owners_end_now() {
+        let (catalogue, _kept) = empty().await;
+        suite::the_leases_of_dead_owners_end_now(catalogue).await;
     }
 
     fn artifact(blob: BlobName) -> NewVersion {

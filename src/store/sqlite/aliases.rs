@@ -3,8 +3,9 @@
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-use super::row::{now_us, time};
+use super::row::now_us;
 use super::versions;
+use crate::store::row::time;
 use crate::store::{AliasExpectation, AliasRow, AliasTarget, CatalogueError};
 
 fn read(row: &SqliteRow) -> Result<AliasRow, CatalogueError> {
@@ -81,7 +82,7 @@ pub async fn set(
 ) -> Result<(AliasRow, bool), CatalogueError> {
     let existing = compare(connection, database, alias, expected).await?;
     if versions::find(connection, database, version).await?.is_none() {
-        return Err(versions::unknown(database, version));
+        return Err(CatalogueError::no_version(database, version));
     }
     // From a counter, not from the row: an alias deleted and made again must not repeat a revision.
     let revision: i64 = sqlx::query_scalar(

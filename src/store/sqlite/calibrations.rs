@@ -3,7 +3,8 @@
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-use super::row::{now_us, time};
+use super::row::now_us;
+use crate::store::row::time;
 use crate::store::{CalibrationRow, CatalogueError};
 
 fn read(row: &SqliteRow) -> Result<CalibrationRow, CatalogueError> {
@@ -14,11 +15,6 @@ fn read(row: &SqliteRow) -> Result<CalibrationRow, CatalogueError> {
         created_at: time(row, "created_at")?,
         updated_at: time(row, "updated_at")?,
     })
-}
-
-/// The error for a calibration that isn't there.
-pub fn unknown(name: &str) -> CatalogueError {
-    CatalogueError::NotFound { what: format!("calibration {name:?}") }
 }
 
 pub async fn put(

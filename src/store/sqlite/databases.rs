@@ -3,7 +3,8 @@
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-use super::row::{now_us, time, unsigned};
+use super::row::now_us;
+use crate::store::row::{time, unsigned};
 use crate::store::{CatalogueError, DatabaseCounts, DatabaseRow};
 
 fn read(row: &SqliteRow) -> Result<DatabaseRow, CatalogueError> {
@@ -13,11 +14,6 @@ fn read(row: &SqliteRow) -> Result<DatabaseRow, CatalogueError> {
         options: row.try_get("options")?,
         created_at: time(row, "created_at")?,
     })
-}
-
-/// The error for a database that isn't there.
-pub fn unknown(name: &str) -> CatalogueError {
-    CatalogueError::NotFound { what: format!("database {name:?}") }
 }
 
 pub async fn create(
@@ -51,7 +47,7 @@ pub async fn set_options(
         .bind(options)
         .fetch_optional(connection)
         .await?;
-    read(&row.ok_or_else(|| unknown(name))?)
+    read(&row.ok_or_else(|| CatalogueError::no_database(name))?)
 }
 
 pub async fn find(
@@ -92,7 +88,7 @@ pub async fn counts(connection: &mut SqliteConnection, name: &str) -> Result<Dat
     .bind(name)
     .fetch_optional(connection)
     .await?
-    .ok_or_else(|| unknown(name))?;
+    .ok_or_else(|| CatalogueError::no_database(name))?;
     Ok(DatabaseCounts {
         exemplars: unsigned(&row, "exemplars")?,
         labels: unsigned(&row, "labels")?,

@@ -5,7 +5,8 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use uuid::Uuid;
 
 use super::databases;
-use super::row::{id, now_us, time, to_column, unsigned};
+use super::row::{id, now_us};
+use crate::store::row::{time, to_column, unsigned};
 use crate::store::{CatalogueError, ExemplarFilter, ExemplarRow};
 
 fn read(row: &SqliteRow) -> Result<ExemplarRow, CatalogueError> {
@@ -35,7 +36,7 @@ pub async fn insert(
         return Ok((existing, false));
     }
     if databases::find(connection, &new.database).await?.is_none() {
-        return Err(databases::unknown(&new.database));
+        return Err(CatalogueError::no_database(&new.database));
     }
     let row = sqlx::query(
         "INSERT INTO exemplars (database, id, label, pose_deg, width_px, height_px, bytes, sha256, blob,

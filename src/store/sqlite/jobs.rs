@@ -9,17 +9,11 @@ use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use uuid::Uuid;
 
-use super::row::{corrupt, id as read_id, now_us, optional_time, time, to_column, unsigned};
+use super::row::{id as read_id, now_us};
 use super::{calibrations, databases};
+use crate::store::job_end::{Outcome, Subject, attempts_exhausted};
+use crate::store::row::{corrupt, optional_time, time, to_column, unsigned};
 use crate::store::{CatalogueError, JobEventRow, JobFilter, JobRow, JobState, Progress, Renewal};
-
-/// How a job ends.
-#[derive(Debug, Default)]
-pub struct Outcome<'a> {
-    pub version: Option<i64>,
-    pub problem: Option<&'a str>,
-    pub comparison: Option<&'a str>,
-}
 
 fn read(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
     let database: String = row.try_get("database")?;
@@ -99,7 +93,7 @@ pub async fn enqueue(
     params: &str,
 ) -> Result<JobRow, CatalogueError> {
     if databases::find(connection, database).await?.is_none() {
-        return Err(databases::unknown(database));
+        return Err(CatalogueError::no_database(database));
     }
     insert(connection, kind, database, None, params).await
 }
@@ -112,7 +106,7 @@ pub async fn enqueue_for_calibration(
     blobs: &[String],
 ) -> Result<JobRow, CatalogueError> {
     if calibrations::find(connection, calibration).await?.is_none() {
-        return Err(calibrations::unknown(calibration));
+        return Err(CatalogueError::no_calibration(calibration));
     }
     let job = insert(connection, kind, "", Some(calibration), params).await?;
     let id = job.id.to_string();
@@ -207,11 +201,8 @@ pub async fn claim(
         if job.cancel_requested {
             end(connection, job.id, JobState::Cancelled, Outcome::default()).await?;
         } else if job.attempts >= max_attempts {
-            let problem = serde_json::json!({
-                "code": "attempts_exhausted",
-                "detail": format!("the job was taken up {} times and never finished", job.attempts),
-            });
-            let outcome = Outcome { problem: Some(&problem.to_string()), ..Outcome::default() };
+            let problem = attempts_exhausted(job.attempts);
+            let outcome = Outcome { problem: Some(&problem), ..Outcome::default() };
             end(connection, job.id, JobState::Failed, outcome).await?;
         } else {
             return take(connection, job.id, owner, lease).await.map(Some);
@@ -344,34 +335,19 @@ pub async fn request_cancel(
     }
 }
 
-/// What a job is about.
-#[derive(Debug, Clone, Copy)]
-pub enum Subject<'a> {
-    Database(&'a str),
-    Calibration(&'a str),
-}
-
 /// Cancels the unfinished jobs about what is being deleted.
 pub async fn cancel_all(
     connection: &mut SqliteConnection,
     subject: Subject<'_>,
 ) -> Result<(), CatalogueError> {
-    let (database, calibration, code, detail) = match subject {
-        Subject::Database(name) => {
-            (Some(name), None, "database_deleted", format!("database {name:?} was deleted"))
-        }
-        Subject::Calibration(name) => {
-            (None, Some(name), "calibration_deleted", format!("calibration {name:?} was deleted"))
-        }
-    };
     let rows = sqlx::query(
         "SELECT * FROM jobs WHERE (database = ?1 OR calibration = ?2) AND state IN ('queued', 'running')",
     )
-    .bind(database)
-    .bind(calibration)
+    .bind(subject.database())
+    .bind(subject.calibration())
     .fetch_all(&mut *connection)
     .await?;
-    let problem = serde_json::json!({"code": code, "detail": detail}).to_string();
+    let problem = subject.deleted();
     for row in &rows {
         let outcome = Outcome { problem: Some(&problem), ..Outcome::default() };
         end(connection, read_id(row, "id")?, JobState::Cancelled, outcome).await?;

@@ -19,21 +19,23 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use async_trait::async_trait;
-use sqlx::migrate::{MigrateError, Migrator};
+use sqlx::migrate::Migrator;
 use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 use sqlx::{Sqlite, Transaction};
+use tokio::sync::watch;
 use uuid::Uuid;
 
-use self::jobs::{Outcome, Subject};
 use super::catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
-    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion, Progress,
-    Renewal, VersionRow, WorkcellRow,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion,
+    ProcessRow, Progress, Renewal, VersionRow, WorkcellRow,
 };
 use super::folder::FolderLock;
+use super::job_end::{Outcome, Subject};
+use super::open::OpenCatalogueError;
 
 static MIGRATIONS: Migrator = sqlx::migrate!("migrations/sqlite");
 
@@ -46,27 +48,12 @@ const TURN_TIMEOUT: Duration = Duration::from_secs(10);
 /// How long SQLite waits for another program that holds the file, a backup for instance.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Why the catalogue's file can't be opened.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenCatalogueError {
-    /// SQLite can't open, create or read the file.
-    #[error("SQLite cannot open it")]
-    Open(#[source] sqlx::Error),
-    /// The file holds a migration that this program doesn't know.
-    #[error(
-        "it was written by a newer release (migration {migration}): run that release, or restore a backup"
-    )]
-    Newer { migration: i64 },
-    /// Bringing the tables up to date failed.
-    #[error("its tables cannot be brought up to date")]
-    Migrate(#[source] MigrateError),
-}
-
 /// The catalogue in a SQLite file.
 #[derive(Debug)]
 pub struct SqliteCatalogue {
     writer: SqlitePool,
     readers: SqlitePool,
+    hints: watch::Sender<u64>,
     _lock: Arc<FolderLock>,
 }
 
@@ -88,15 +75,12 @@ impl SqliteCatalogue {
             .connect_with(options.clone().create_if_missing(true))
             .await
             .map_err(OpenCatalogueError::Open)?;
-        MIGRATIONS.run(&writer).await.map_err(|error| match error {
-            MigrateError::VersionMissing(migration) => OpenCatalogueError::Newer { migration },
-            other => OpenCatalogueError::Migrate(other),
-        })?;
+        MIGRATIONS.run(&writer).await?;
         let readers = pool(READERS)
             .connect_with(options.pragma("query_only", "ON"))
             .await
             .map_err(OpenCatalogueError::Open)?;
-        Ok(Self { writer, readers, _lock: lock })
+        Ok(Self { writer, readers, hints: watch::Sender::new(0), _lock: lock })
     }
 
     async fn read(&self) -> Result<PoolConnection<Sqlite>, CatalogueError> {
@@ -106,6 +90,10 @@ impl SqliteCatalogue {
     /// Begins a transaction that writes; dropped without a commit, it is rolled back.
     async fn write(&self) -> Result<Transaction<'static, Sqlite>, CatalogueError> {
         Ok(self.writer.begin_with("BEGIN IMMEDIATE").await?)
+    }
+
+    fn hint(&self) {
+        self.hints.send_modify(|hints| *hints += 1);
     }
 }
 
@@ -156,6 +144,7 @@ impl Catalogue for SqliteCatalogue {
         jobs::cancel_all(&mut transaction, Subject::Database(name)).await?;
         let deleted = databases::delete(&mut transaction, name).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(deleted)
     }
 
@@ -255,6 +244,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let set = aliases::set(&mut transaction, database, alias, version, expected).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(set)
     }
 
@@ -267,6 +257,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let deleted = aliases::delete(&mut transaction, database, alias, expected).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(deleted)
     }
 
@@ -299,6 +290,7 @@ impl Catalogue for SqliteCatalogue {
         jobs::cancel_all(&mut transaction, Subject::Calibration(name)).await?;
         let deleted = calibrations::delete(&mut transaction, name).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(deleted)
     }
 
@@ -312,6 +304,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let job = jobs::enqueue_for_calibration(&mut transaction, kind, calibration, params, blobs).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(job)
     }
 
@@ -357,6 +350,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let job = jobs::enqueue(&mut transaction, kind, database, params).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(job)
     }
 
@@ -417,6 +411,9 @@ impl Catalogue for SqliteCatalogue {
         let outcome = Outcome { version: Some(version.version), comparison, ..Outcome::default() };
         jobs::finish(&mut transaction, id, token, JobState::Succeeded, outcome).await?;
         transaction.commit().await?;
+        if promote_alias.is_some() {
+            self.hint();
+        }
         Ok(version)
     }
 
@@ -435,13 +432,16 @@ impl Catalogue for SqliteCatalogue {
         if let Some(version) = version {
             let database = job.database.as_deref().unwrap_or_default();
             if versions::find(&mut transaction, database, version).await?.is_none() {
-                return Err(versions::unknown(database, version));
+                return Err(CatalogueError::no_version(database, version));
             }
             if let Some(alias) = promote_alias {
                 aliases::set(&mut transaction, database, alias, version, AliasExpectation::Any).await?;
             }
         }
         transaction.commit().await?;
+        if promote_alias.is_some() {
+            self.hint();
+        }
         Ok(job)
     }
 
@@ -464,6 +464,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let job = jobs::request_cancel(&mut transaction, id).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(job)
     }
 
@@ -471,6 +472,7 @@ impl Catalogue for SqliteCatalogue {
         let mut transaction = self.write().await?;
         let handed_back = jobs::hand_back(&mut transaction, owner).await?;
         transaction.commit().await?;
+        self.hint();
         Ok(handed_back)
     }
 
@@ -489,6 +491,14 @@ impl Catalogue for SqliteCatalogue {
         jobs::count_by_state(&mut *self.read().await?).await
     }
 
+    async fn note_process(&self, _row: &ProcessRow) -> Result<(), CatalogueError> {
+        Ok(())
+    }
+
+    async fn processes(&self, _fresh: Duration) -> Result<Vec<ProcessRow>, CatalogueError> {
+        Ok(Vec::new())
+    }
+
     async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError> {
         Ok(sqlx::query_scalar(
             "SELECT EXISTS (SELECT 1 FROM exemplars WHERE blob = ?1)
@@ -499,6 +509,10 @@ impl Catalogue for SqliteCatalogue {
         .bind(blob)
         .fetch_one(&mut *self.read().await?)
         .await?)
+    }
+
+    fn hints(&self) -> watch::Receiver<u64> {
+        self.hints.subscribe()
     }
 }
 

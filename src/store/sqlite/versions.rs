@@ -3,8 +3,8 @@
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-use super::databases;
-use super::row::{now_us, time, to_column, unsigned};
+use super::row::now_us;
+use crate::store::row::{time, to_column, unsigned};
 use crate::store::{CatalogueError, NewVersion, VersionRow};
 
 fn read(row: &SqliteRow) -> Result<VersionRow, CatalogueError> {
@@ -23,11 +23,6 @@ fn read(row: &SqliteRow) -> Result<VersionRow, CatalogueError> {
     })
 }
 
-/// The error for a version that isn't there.
-pub fn unknown(database: &str, version: i64) -> CatalogueError {
-    CatalogueError::NotFound { what: format!("version {version} of database {database:?}") }
-}
-
 pub async fn insert(
     connection: &mut SqliteConnection,
     new: &NewVersion,
@@ -42,7 +37,7 @@ pub async fn insert(
     .bind(&new.database)
     .fetch_optional(&mut *connection)
     .await?;
-    let number = number.ok_or_else(|| databases::unknown(&new.database))?;
+    let number = number.ok_or_else(|| CatalogueError::no_database(&new.database))?;
     let row = sqlx::query(
         "INSERT INTO versions (database, version, digest, blob, bytes, kind, algorithm_revision, options,
                                counts, report, created_at)
@@ -119,8 +114,7 @@ pub async fn delete(
             .fetch_optional(&mut *connection)
             .await?;
     if let Some(alias) = alias {
-        let what = format!("alias {alias:?} points to version {version} of database {database:?}");
-        return Err(CatalogueError::Conflict { what });
+        return Err(CatalogueError::aliased(database, version, &alias));
     }
     let done = sqlx::query("DELETE FROM versions WHERE database = ?1 AND version = ?2")
         .bind(database)

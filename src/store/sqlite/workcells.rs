@@ -3,7 +3,8 @@
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-use super::row::{now_us, time};
+use super::row::now_us;
+use crate::store::row::time;
 use crate::store::{CatalogueError, WorkcellRow};
 
 fn read(row: &SqliteRow) -> Result<WorkcellRow, CatalogueError> {

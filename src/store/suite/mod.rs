@@ -1,9 +1,10 @@
-//! What every catalogue promises, written against the trait alone.
+//! What every catalogue promises, written against the trait alone; and what the blobs promise, in `blobs`.
 //!
 //! An implementation runs it with `catalogue_suite!(open)`, where `open` gives an empty catalogue and whatever
-//! must stay alive with it. One file a noun; what is about several of them stands here.
+//! must stay alive with it, and an attribute for every test may follow. One file a noun; what is about several of them stands here.
 
 mod aliases;
+pub(super) mod blobs;
 mod calibrations;
 mod databases;
 mod exemplars;
@@ -17,7 +18,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use super::{Catalogue, ExemplarFilter, ExemplarRow, NewVersion};
+use super::{AliasExpectation, Catalogue, ExemplarFilter, ExemplarRow, NewVersion};
 
 pub use self::aliases::*;
 pub use self::calibrations::*;
@@ -34,8 +35,8 @@ const TRAINING: &[&str] = &["training"];
 
 /// Makes one test of every promise.
 macro_rules! catalogue_suite {
-    ($open:path) => {
-        $crate::store::suite::catalogue_suite! { @each $open:
+    ($open:path $(, #[$attribute:meta])?) => {
+        $crate::store::suite::catalogue_suite! { @each $open, [$(#[$attribute])?]:
             a_database_is_created_once_and_stays_as_it_is
             databases_come_in_pages_by_name
             deleting_a_database_takes_all_it_holds_and_ends_its_jobs
@@ -59,7 +60,6 @@ macro_rules! catalogue_suite {
             concurrent_publishes_of_one_digest_give_one_version
             a_job_succeeds_with_a_version_that_was_there
             a_job_handed_back_loses_no_attempt
-            the_leases_of_dead_owners_end_now
             every_change_of_state_or_progress_is_an_event
             jobs_come_newest_first_and_are_counted_by_state
             a_blob_is_referenced_while_a_row_names_it
@@ -71,16 +71,19 @@ macro_rules! catalogue_suite {
             a_workcell_is_replaced_by_who_writes_last
             workcells_come_in_pages_by_name
             a_call_dropped_midway_leaves_the_catalogue_whole
+            what_others_wait_for_is_hinted_at
         }
     };
-    (@each $open:path: $($promise:ident)+) => {
-        $(
-            #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-            async fn $promise() {
-                let (catalogue, _kept) = $open().await;
-                $crate::store::suite::$promise(catalogue).await;
-            }
-        )+
+    (@each $open:path, $attributes:tt: $($promise:ident)+) => {
+        $($crate::store::suite::catalogue_suite! { @one $open, $attributes: $promise })+
+    };
+    (@one $open:path, [$(#[$attribute:meta])?]: $promise:ident) => {
+        #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+        $(#[$attribute])?
+        async fn $promise() {
+            let (catalogue, _kept) = $open().await;
+            $crate::store::suite::$promise(catalogue).await;
+        }
     };
 }
 pub(super) use catalogue_suite;
@@ -176,4 +179,27 @@ pub async fn a_call_dropped_midway_leaves_the_catalogue_whole(catalogue: Shared)
     let (last, created) = catalogue.insert_version(&artifact("lab", "last")).await.unwrap();
     assert!(created);
     assert_eq!(numbers(&catalogue).await, (1..=last.version).collect::<Vec<_>>());
+}
+
+pub async fn what_others_wait_for_is_hinted_at(catalogue: Shared) {
+    lab(&catalogue).await;
+    catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
+    let mut hints = catalogue.hints();
+    let mut hinted = async || {
+        tokio::time::timeout(Duration::from_secs(5), hints.changed()).await.expect("a hint").unwrap();
+        hints.mark_unchanged();
+    };
+    catalogue.set_alias("lab", "current", 1, AliasExpectation::Any).await.unwrap();
+    hinted().await;
+    let queued = catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    hinted().await;
+    catalogue.request_cancel(queued.id).await.unwrap();
+    hinted().await;
+    catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    hinted().await;
+    let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
+    catalogue.publish(job.id, job.token, &artifact("lab", "d2"), Some("current"), None).await.unwrap();
+    hinted().await;
+    catalogue.delete_database("lab").await.unwrap();
+    hinted().await;
 }
