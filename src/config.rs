@@ -1,8 +1,10 @@
 //! Every setting of the service with its unit, default and limit; read once at start.
 //!
 //! Precedence: flag, then environment (`LANDMARKD_…`), then the TOML file named by `--config`, then the
-//! default. This is the only room that reads environment variables (clap does it, from the attributes below).
+//! default. This is the only room that reads environment variables (clap does it, from the attributes below), but for those of
+//! AWS and PostgreSQL, which the drivers of `store` read themselves.
 
+use std::fmt;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -20,6 +22,29 @@ pub enum LogFormat {
     Json,
 }
 
+/// What a process of a fleet does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Hold versions in memory and answer; leave jobs to others.
+    Serve,
+    /// Do jobs; hold no version before it is asked for.
+    Train,
+    /// Both.
+    All,
+}
+
+impl Role {
+    /// The word for it.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Serve => "serve",
+            Self::Train => "train",
+            Self::All => "all",
+        }
+    }
+}
+
 /// The settings as given: each may be absent. The same shape is read from flags, environment and TOML.
 #[derive(Debug, Clone, Default, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,9 +52,24 @@ pub struct GivenSettings {
     /// Address to listen on. Loopback only, unless --insecure is given [default: 127.0.0.1:8080]
     #[arg(long, env = "LANDMARKD_BIND", value_name = "ADDRESS")]
     pub bind: Option<SocketAddr>,
-    /// Folder for the catalogue and the blobs; made if missing [default: ./landmarkd-data]
+    /// Folder for the catalogue and the blobs, or in a fleet for copies of blobs; made if missing [default: ./landmarkd-data]
     #[arg(long, env = "LANDMARKD_DATA_DIR", value_name = "DIR")]
     pub data_dir: Option<PathBuf>,
+    /// Catalogue that a fleet shares, postgres://user:password@host/database; needs --blobs [default: in the data folder]
+    #[arg(long, env = "LANDMARKD_CATALOGUE", value_name = "URL", hide_env_values = true)]
+    pub catalogue: Option<SharedCatalogue>,
+    /// Bucket that a fleet shares, s3://bucket/prefix; endpoint and keys as AWS_… say; needs --catalogue [default: in the data folder]
+    #[arg(long, env = "LANDMARKD_BLOBS", value_name = "URL")]
+    pub blobs: Option<String>,
+    /// Copies of shared blobs kept in the data folder [default: 4096]
+    #[arg(long, env = "LANDMARKD_CACHE_LIMIT_MB", value_name = "N")]
+    pub cache_limit_mb: Option<u64>,
+    /// What this process does of a fleet's work [default: all]
+    #[arg(long, env = "LANDMARKD_ROLE", value_name = "ROLE")]
+    pub role: Option<Role>,
+    /// Databases whose versions this process holds in memory, with * and ? in the name; others are loaded when asked for [default: *]
+    #[arg(long, env = "LANDMARKD_SERVE", value_name = "PATTERN")]
+    pub serve: Option<String>,
     /// Threads that compute recognitions [default: one a core]
     #[arg(long, env = "LANDMARKD_THREADS", value_name = "N")]
     pub threads: Option<usize>,
@@ -63,6 +103,40 @@ pub struct GivenSettings {
     /// Longest time one request may take, in seconds (batches ten times as long) [default: 60]
     #[arg(long, env = "LANDMARKD_REQUEST_TIMEOUT_S", value_name = "SECONDS")]
     pub request_timeout_s: Option<u64>,
+}
+
+/// Where a shared catalogue is; it holds a password, so it isn't shown.
+#[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct SharedCatalogue(String);
+
+impl SharedCatalogue {
+    /// The URL with all it holds.
+    pub fn url(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<&str> for SharedCatalogue {
+    fn from(url: &str) -> Self {
+        Self(url.to_owned())
+    }
+}
+
+impl fmt::Debug for SharedCatalogue {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("SharedCatalogue(…)")
+    }
+}
+
+/// What the processes of a fleet share.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shared {
+    pub catalogue: SharedCatalogue,
+    /// `s3://bucket/prefix`.
+    pub blobs: String,
+    /// Bytes that copies of blobs may take in the data folder.
+    pub cache_limit_bytes: u64,
 }
 
 /// What is refused before it costs anything. `GET /v1/info` shows these.
@@ -131,6 +205,11 @@ impl Default for Limits {
 pub struct Settings {
     pub bind: SocketAddr,
     pub data_dir: PathBuf,
+    /// None: the data folder holds everything, and this process alone works in it.
+    pub shared: Option<Shared>,
+    pub role: Role,
+    /// Databases whose versions are held in memory before they are asked for; none for a process that only trains.
+    pub holds: Option<glob::Pattern>,
     /// Computing threads, at least one.
     pub threads: usize,
     /// Bytes that loaded versions without an alias may take.
@@ -145,13 +224,23 @@ pub struct Settings {
 pub enum SettingsError {
     #[error("can't read the settings file {path}: check the path given with --config")]
     Unreadable { path: PathBuf, source: std::io::Error },
-    #[error("the settings file {path} is not right")]
-    Malformed { path: PathBuf, source: toml::de::Error },
+    /// Its text isn't repeated: it may hold the catalogue's password.
+    #[error("the settings file {path} is not right, at its line {line}: {what}")]
+    Malformed { path: PathBuf, line: usize, what: String },
     #[error(
         "--bind {bind} is reachable from other machines and nothing asks who is calling: \
          bind a loopback address such as 127.0.0.1:8080 behind your own gateway, or add --insecure to allow it"
     )]
     OpenToAll { bind: SocketAddr },
+    #[error(
+        "--catalogue and --blobs belong together: a catalogue that several processes share names blobs that all of \
+         them must reach. Give both, or neither for one process on --data-dir"
+    )]
+    HalfShared,
+    #[error("--serve {given} is no pattern: names with * and ? are, such as floor-*")]
+    NoPattern { given: String, source: glob::PatternError },
+    #[error("--role {} needs a catalogue that others share: give --catalogue and --blobs", role.as_str())]
+    RoleAlone { role: Role },
     #[error("{setting} is {given}; it must be between {least} and {most}")]
     OutOfRange { setting: &'static str, given: u64, least: u64, most: u64 },
 }
@@ -167,8 +256,11 @@ impl Settings {
             Some(path) => {
                 let text = std::fs::read_to_string(path)
                     .map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
-                toml::from_str(&text)
-                    .map_err(|source| SettingsError::Malformed { path: path.into(), source })?
+                toml::from_str(&text).map_err(|error: toml::de::Error| {
+                    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+                    let line = before.matches('\n').count() + 1;
+                    SettingsError::Malformed { path: path.into(), line, what: error.message().to_owned() }
+                })?
             }
         };
         let defaults = Limits::default();
@@ -182,9 +274,28 @@ impl Settings {
             }
         };
         let size = |value: Option<usize>| value.map(|n| n as u64);
+        let cache_limit_mb =
+            number("cache_limit_mb", given.cache_limit_mb, file.cache_limit_mb, 4096, 0, 1 << 24)?;
+        let shared = match (given.catalogue.or(file.catalogue), given.blobs.or(file.blobs)) {
+            (None, None) => None,
+            (Some(catalogue), Some(blobs)) => {
+                Some(Shared { catalogue, blobs, cache_limit_bytes: cache_limit_mb << 20 })
+            }
+            _ => return Err(SettingsError::HalfShared),
+        };
+        let role = given.role.or(file.role).unwrap_or(Role::All);
+        if shared.is_none() && role != Role::All {
+            return Err(SettingsError::RoleAlone { role });
+        }
+        let pattern = given.serve.or(file.serve).unwrap_or_else(|| "*".to_owned());
+        let holds = glob::Pattern::new(&pattern)
+            .map_err(|source| SettingsError::NoPattern { given: pattern, source })?;
         let settings = Self {
             bind: given.bind.or(file.bind).unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
             data_dir: given.data_dir.or(file.data_dir).unwrap_or_else(|| PathBuf::from("landmarkd-data")),
+            shared,
+            role,
+            holds: (role != Role::Train).then_some(holds),
             threads: number("threads", size(given.threads), size(file.threads), cores, 1, 1024)? as usize,
             memory_limit_bytes: number(
                 "memory_limit_mb",
@@ -280,11 +391,36 @@ mod tests {
     }
 
     #[test]
+    fn a_fleet_shares_both_a_catalogue_and_a_bucket() {
+        let settled = |catalogue: Option<&str>, blobs: Option<&str>, role| {
+            let given = GivenSettings {
+                catalogue: catalogue.map(SharedCatalogue::from),
+                blobs: blobs.map(str::to_owned),
+                role,
+                ..Default::default()
+            };
+            Settings::settle(given, None)
+        };
+        let (url, bucket) = (Some("postgres://robot:secret@db/fleet"), Some("s3://fleet/landmarks"));
+        let settings = settled(url, bucket, Some(Role::Train)).unwrap();
+        assert_eq!(settings.shared.as_ref().unwrap().catalogue.url(), url.unwrap());
+        assert!(settings.holds.is_none());
+        assert!(!format!("{settings:?}").contains("secret"));
+        assert!(matches!(settled(url, None, None), Err(SettingsError::HalfShared)));
+        assert!(matches!(settled(None, bucket, None), Err(SettingsError::HalfShared)));
+        assert!(matches!(settled(None, None, Some(Role::Serve)), Err(SettingsError::RoleAlone { .. })));
+    }
+
+    #[test]
     fn a_misspelt_setting_in_the_file_is_named() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "treads = 3\n").unwrap();
         let error = Settings::settle(GivenSettings::default(), Some(file.path())).unwrap_err();
-        let SettingsError::Malformed { source, .. } = error else { panic!("{error}") };
-        assert!(source.to_string().contains("treads"), "{source}");
+        assert!(error.to_string().contains("treads"), "{error}");
+        let secret = "bind = \"127.0.0.1:1\"\ncatalog = \"postgres://robot:secret@db/fleet\"\n";
+        std::fs::write(file.path(), secret).unwrap();
+        let error = Settings::settle(GivenSettings::default(), Some(file.path())).unwrap_err();
+        assert!(error.to_string().contains("line 2") && error.to_string().contains("catalog"), "{error}");
+        assert!(!format!("{error:?}").contains("secret"), "{error:?}");
     }
 }

@@ -3,6 +3,7 @@
 use std::future::Future;
 use std::io;
 use std::net::SocketAddr;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -15,13 +16,16 @@ use tokio::task::{JoinError, JoinHandle, JoinSet};
 use uuid::Uuid;
 
 use crate::compute::{Compute, ComputeError};
-use crate::config::Settings;
+use crate::config::{Role, Settings, Shared};
 use crate::database::Databases;
 use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
-use crate::store::{CatalogueError, Folder, OpenFolderError, open_folder};
+use crate::store::{
+    Blobs, Catalogue, CatalogueError, Folder, OpenBucketError, OpenCatalogueError, OpenFolderError,
+    open_bucket, open_folder, open_postgres,
+};
 use crate::telemetry::{Metrics, chain};
 
 /// How often the catalogue is asked what the aliases name: a change made elsewhere is served this much later.
@@ -48,6 +52,16 @@ pub enum ServeError {
         #[from]
         source: ComputeError,
     },
+    #[error("can't open the shared catalogue")]
+    SharedCatalogue {
+        #[from]
+        source: OpenCatalogueError,
+    },
+    #[error("can't use the shared blobs")]
+    SharedBlobs {
+        #[from]
+        source: OpenBucketError,
+    },
     #[error("can't take over the jobs of the run before")]
     Catalogue {
         #[from]
@@ -64,7 +78,10 @@ pub enum ServeError {
 /// The service's parts, wired; not yet listening.
 pub struct Parts {
     pub service: Service,
-    runner: Runner,
+    /// None in a process that leaves jobs to others.
+    runner: Option<Runner>,
+    /// Grows when another process may have changed what this one serves or works on.
+    hints: watch::Receiver<u64>,
 }
 
 /// Open the stores in the data folder and wire the service over them. Its background work and its streams of events
@@ -73,11 +90,17 @@ pub struct Parts {
 /// # Errors
 /// A folder in use or unwritable, or no threads.
 pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Result<Parts, ServeError> {
-    let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
+    let (catalogue, blobs) = match &settings.shared {
+        Some(shared) => open_shared(shared, &settings.data_dir).await?,
+        None => {
+            let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
+            (catalogue, blobs)
+        }
+    };
     let limits = settings.limits.clone();
     let compute = Compute::new(settings.threads, limits.waiting_per_thread, limits.max_decode_bytes_total)?;
     let worker: Arc<str> = format!("worker-{}", Uuid::now_v7()).into();
-    // The folder's lock is ours, so whoever held a job before is dead.
+    // A folder's lock is ours, so whoever held a job before is dead; of a shared catalogue nothing is released.
     let released = catalogue.release_dead_leases(&worker).await?;
     if released > 0 {
         tracing::info!(released, "jobs that a dead process left are taken up again");
@@ -89,8 +112,9 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
     };
     let bodies = BodyBudget::new(limits.max_body_bytes_total);
     let metrics = Arc::new(Metrics::new());
-    let databases =
-        Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), settings.memory_limit_bytes);
+    let hints = catalogue.hints();
+    let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
+    let databases = Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), memory_limit, holds);
     let jobs = Jobs::new(catalogue);
     let runner = Runner::new(
         jobs.clone(),
@@ -100,6 +124,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         Arc::clone(&metrics),
         worker.to_string(),
     );
+    let runner = (settings.role != Role::Serve).then_some(runner);
     let service = Service {
         databases,
         jobs,
@@ -112,10 +137,37 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         estimators: Estimators::default(),
         started_at: Timestamp::now(),
         worker,
+        role: settings.role,
         ready: Arc::new(AtomicBool::new(false)),
         shutdown,
     };
-    Ok(Parts { service, runner })
+    Ok(Parts { service, runner, hints })
+}
+
+/// Open what a fleet shares; one that is away is waited for.
+async fn open_shared(shared: &Shared, data_dir: &Path) -> Result<(Arc<dyn Catalogue>, Blobs), ServeError> {
+    let (catalogue, id) = loop {
+        match open_postgres(shared.catalogue.url()).await {
+            Ok(opened) => break opened,
+            Err(error @ OpenCatalogueError::Unavailable(_)) => {
+                tracing::warn!(error = chain(&error), "the shared catalogue is away: waiting for it");
+                tokio::time::sleep(REFRESH_EVERY).await;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    };
+    let copies = data_dir.join("copies");
+    let blobs = loop {
+        match open_bucket(&shared.blobs, id, &copies, shared.cache_limit_bytes).await {
+            Ok(blobs) => break blobs,
+            Err(error @ OpenBucketError::Unavailable { .. }) => {
+                tracing::warn!(error = chain(&error), "the shared blobs are away: waiting for them");
+                tokio::time::sleep(REFRESH_EVERY).await;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    };
+    Ok((catalogue, blobs))
 }
 
 impl Parts {
@@ -125,9 +177,13 @@ impl Parts {
         let service = self.service.clone();
         let shutdown = service.shutdown.clone();
         let mut tasks = JoinSet::new();
-        tasks.spawn(self.runner.run(shutdown.clone()));
-        tasks.spawn(collect_orphans(self.service.clone(), shutdown.clone()));
-        tasks.spawn(refresh(self.service, shutdown));
+        if let Some(runner) = self.runner {
+            tasks.spawn(runner.run(shutdown.clone()));
+            tasks.spawn(collect_orphans(self.service.clone(), shutdown.clone()));
+        }
+        tasks.spawn(tell(self.service.clone(), shutdown.clone()));
+        tasks.spawn(wake_jobs(self.service.jobs.clone(), self.hints.clone(), shutdown.clone()));
+        tasks.spawn(refresh(self.service, self.hints, shutdown));
         let background = tokio::spawn(async move {
             while let Some(ended) = tasks.join_next().await {
                 // The others end with the set.
@@ -146,7 +202,11 @@ async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) 
             () = tokio::time::sleep(COLLECT_EVERY) => {}
             _ = shutdown.wait_for(|stop| *stop) => return,
         }
-        match service.databases.collect_orphans(ORPHAN_AGE).await {
+        let collected = tokio::select! {
+            collected = service.databases.collect_orphans(ORPHAN_AGE) => collected,
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        };
+        match collected {
             Ok(0) => {}
             Ok(removed) => tracing::info!(removed, "removed blobs that nothing names"),
             Err(error) => tracing::warn!(error = chain(&error), "can't collect orphan blobs"),
@@ -154,17 +214,46 @@ async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) 
     }
 }
 
-/// Keep the registry as the catalogue says, until shutdown.
-async fn refresh(service: Service, mut shutdown: watch::Receiver<bool>) {
+/// Keep the registry as the catalogue says, until shutdown: at once when there is a hint of a change, and every
+/// [`REFRESH_EVERY`] in any case.
+async fn refresh(service: Service, mut hints: watch::Receiver<u64>, mut shutdown: watch::Receiver<bool>) {
     loop {
-        match service.databases.registry().refresh().await {
+        let refreshed = tokio::select! {
+            refreshed = service.databases.registry().refresh() => refreshed,
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        };
+        match refreshed {
             Ok(()) => service.ready.store(!*shutdown.borrow(), Ordering::Relaxed),
             Err(error) => {
-                tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on")
+                tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on");
             }
         }
         tokio::select! {
             () = tokio::time::sleep(REFRESH_EVERY) => {}
+            Ok(()) = hints.changed() => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+    }
+}
+
+/// Tell the other processes what this one serves, until shutdown; a catalogue that is away is told later.
+async fn tell(service: Service, mut shutdown: watch::Receiver<bool>) {
+    loop {
+        if let Err(error) = service.databases.tell(&service.process()).await {
+            tracing::debug!(error = chain(&error), "can't tell what is served here");
+        }
+        tokio::select! {
+            () = tokio::time::sleep(REFRESH_EVERY) => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+    }
+}
+
+/// Pass hints of other processes' changes on to those who wait for jobs, until shutdown.
+async fn wake_jobs(jobs: Jobs, mut hints: watch::Receiver<u64>, mut shutdown: watch::Receiver<bool>) {
+    loop {
+        tokio::select! {
+            Ok(()) = hints.changed() => jobs.wake(),
             _ = shutdown.wait_for(|stop| *stop) => return,
         }
     }
@@ -180,7 +269,12 @@ pub async fn serve(
     stop: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let (announce, shutdown) = watch::channel(false);
-    let parts = wire(settings, shutdown).await?;
+    tokio::pin!(stop);
+    let parts = tokio::select! {
+        parts = wire(settings, shutdown) => parts?,
+        // What a fleet shares may be waited for.
+        () = &mut stop => return Ok(()),
+    };
     let bind = settings.bind;
     let listener = std::net::TcpListener::bind(bind).map_err(|source| ServeError::Bind { bind, source })?;
     listener.set_nonblocking(true).map_err(|source| ServeError::Bind { bind, source })?;

@@ -11,6 +11,7 @@ pub mod artifact;
 mod calibrations;
 mod error;
 mod exemplar;
+mod fleet;
 mod name;
 pub mod options;
 pub mod registry;
@@ -24,6 +25,7 @@ use std::time::Duration;
 pub use calibrations::{PictureBlob, Rig, UnreadableCalibration};
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
+pub use fleet::Process;
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::{Kind, Options};
 pub use registry::{LoadedVersion, Model, Registry};
@@ -54,15 +56,17 @@ pub struct Databases {
 }
 
 impl Databases {
-    /// Open over a catalogue and a blob store; `memory_limit_bytes` bounds the versions that no alias names.
+    /// Open over a catalogue and a blob store; `memory_limit_bytes` bounds the versions that no alias of the
+    /// databases in `holds` names.
     pub fn new(
         catalogue: Arc<dyn Catalogue>,
         blobs: Blobs,
         compute: Compute,
         memory_limit_bytes: u64,
+        holds: Option<glob::Pattern>,
     ) -> Self {
-        let registry =
-            Arc::new(Registry::new(Arc::clone(&catalogue), blobs.clone(), compute, memory_limit_bytes));
+        let (rows, artifacts) = (Arc::clone(&catalogue), blobs.clone());
+        let registry = Arc::new(Registry::new(rows, artifacts, compute, memory_limit_bytes, holds));
         Self { catalogue, blobs, registry }
     }
 

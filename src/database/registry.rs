@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwap;
+use serde::{Deserialize, Serialize};
 
 use super::artifact;
 use super::options::Options;
@@ -88,12 +89,13 @@ struct Served {
 }
 
 /// How a database is served by this process.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServedState {
     pub database: String,
     /// What `current` answers with; none when it names nothing, or its version never loaded.
     pub version: Option<i64>,
     /// Why an alias doesn't serve what it should.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
@@ -102,6 +104,8 @@ pub struct Registry {
     catalogue: Arc<dyn Catalogue>,
     blobs: Blobs,
     compute: Compute,
+    /// Databases whose aliased versions are held; none at all in a process that only trains.
+    holds: Option<glob::Pattern>,
     snapshot: ArcSwap<Snapshot>,
     refreshing: tokio::sync::Mutex<()>,
     /// One version at a time is loaded by number: what many ask for at once is loaded once.
@@ -116,17 +120,20 @@ struct ByNumber {
 }
 
 impl Registry {
-    /// An empty registry; [`Registry::refresh`] fills it.
+    /// An empty registry; [`Registry::refresh`] fills it with what the aliases of the databases that it `holds`
+    /// name.
     pub fn new(
         catalogue: Arc<dyn Catalogue>,
         blobs: Blobs,
         compute: Compute,
         memory_limit_bytes: u64,
+        holds: Option<glob::Pattern>,
     ) -> Self {
         Self {
             catalogue,
             blobs,
             compute,
+            holds,
             snapshot: ArcSwap::default(),
             refreshing: tokio::sync::Mutex::default(),
             loading: tokio::sync::Mutex::default(),
@@ -162,18 +169,35 @@ impl Registry {
     /// The catalogue is away: then everything stays as it is.
     pub async fn refresh(&self) -> Result<(), DatabaseError> {
         let _one_at_a_time = self.refreshing.lock().await;
-        let targets = self.catalogue.all_aliases().await?;
+        let mut targets = self.catalogue.all_aliases().await?;
+        let held = |target: &AliasTarget| self.holds.as_ref().is_some_and(|p| p.matches(&target.database));
+        targets.retain(held);
         let before = self.snapshot.load_full();
         let mut next = Snapshot::default();
+        let mut away = None;
         for target in targets {
-            let served = self.serve(&target, &before).await;
+            let served = self.serve(&target, &before, &mut away).await;
             next.databases.entry(target.database).or_default().insert(target.alias, served);
         }
         self.snapshot.store(Arc::new(next));
+        self.forget_deleted().await
+    }
+
+    /// Drop versions loaded by number that another process deleted, alone or with their database.
+    async fn forget_deleted(&self) -> Result<(), DatabaseError> {
+        let loaded = self.cache().versions.clone();
+        for version in loaded {
+            let row = self.catalogue.version(&version.database, version.version).await?;
+            if row.is_none_or(|row| row.digest != version.digest) {
+                self.cache().versions.retain(|other| !Arc::ptr_eq(other, &version));
+            }
+        }
         Ok(())
     }
 
-    async fn serve(&self, target: &AliasTarget, before: &Snapshot) -> Served {
+    /// `away` has the reason why the blob store can't be asked, once that is known: each further version would wait for
+    /// an answer that doesn't come, and hold up those after it.
+    async fn serve(&self, target: &AliasTarget, before: &Snapshot, away: &mut Option<String>) -> Served {
         let old = before.databases.get(&target.database).and_then(|aliases| aliases.get(&target.alias));
         let in_memory = self.by_number(&target.database, target.version);
         // The digest is compared too: a database deleted and made anew counts its versions from 1 again.
@@ -186,12 +210,23 @@ impl Registry {
         {
             return old.cloned().unwrap_or_default();
         }
-        match self.load(&target.database, target.version, &target.digest, &target.blob).await {
+        let loaded = match away {
+            Some(reason) => Err(reason.clone()),
+            None => self.load(&target.database, target.version, &target.digest, &target.blob).await.map_err(
+                |error| {
+                    let reason = chain(&error);
+                    let (database, alias, version) = (&target.database, &target.alias, target.version);
+                    tracing::error!(database, alias, version, reason, "a version can't be loaded");
+                    if matches!(error, DatabaseError::Blobs { source: BlobError::Unavailable { .. } }) {
+                        *away = Some(reason.clone());
+                    }
+                    reason
+                },
+            ),
+        };
+        match loaded {
             Ok(version) => Served { version: Some(version), failure: None },
-            Err(error) => {
-                let reason = chain(&error);
-                let (database, alias, version) = (&target.database, &target.alias, target.version);
-                tracing::error!(database, alias, version, reason, "a version can't be loaded");
+            Err(reason) => {
                 let failure = Failure {
                     digest: target.digest.clone(),
                     blob: target.blob.clone(),

@@ -13,7 +13,8 @@ use utoipa::ToSchema;
 
 use super::Service;
 use crate::compute::Lane;
-use crate::database::JobState;
+use crate::database::registry::ServedState;
+use crate::database::{JobState, Process};
 
 /// Alive.
 #[derive(Debug, Serialize, ToSchema)]
@@ -66,6 +67,14 @@ pub struct DatabaseReady {
     reason: Option<String>,
 }
 
+impl From<ServedState> for DatabaseReady {
+    fn from(served: ServedState) -> Self {
+        let ServedState { database, version, reason } = served;
+        let state = if reason.is_none() { ReadyStatus::Ready } else { ReadyStatus::Degraded };
+        Self { database, version, state, reason }
+    }
+}
+
 /// How long a store may take to answer before it counts as away.
 const STORE_PATIENCE: Duration = Duration::from_secs(1);
 
@@ -81,18 +90,8 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
     );
     let store = |well: bool| if well { StoreStatus::Ok } else { StoreStatus::Unavailable };
     let (catalogue, blobs) = (store(matches!(catalogue, Ok(Ok(())))), store(matches!(blobs, Ok(Ok(())))));
-    let databases: Vec<DatabaseReady> = service
-        .databases
-        .registry()
-        .states()
-        .into_iter()
-        .map(|state| DatabaseReady {
-            database: state.database,
-            version: state.version,
-            state: if state.reason.is_none() { ReadyStatus::Ready } else { ReadyStatus::Degraded },
-            reason: state.reason,
-        })
-        .collect();
+    let states = service.databases.registry().states();
+    let databases: Vec<DatabaseReady> = states.into_iter().map(DatabaseReady::from).collect();
     let well = catalogue == StoreStatus::Ok
         && blobs == StoreStatus::Ok
         && databases.iter().all(|database| database.state == ReadyStatus::Ready);
@@ -148,6 +147,29 @@ pub struct Info {
     started_at: Timestamp,
     /// The name under which this process does jobs.
     worker: String,
+    /// Its part of a fleet's work.
+    #[schema(value_type = String, example = "all")]
+    role: &'static str,
+    /// The processes that share the catalogue and what each serves, this one first: as they told within the last
+    /// ten seconds. With the catalogue away, this one alone.
+    processes: Vec<ProcessBody>,
+}
+
+/// A process, and what it serves.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ProcessBody {
+    worker: String,
+    #[schema(example = "serve")]
+    role: String,
+    started_at: Timestamp,
+    databases: Vec<DatabaseReady>,
+}
+
+impl From<Process> for ProcessBody {
+    fn from(process: Process) -> Self {
+        let Process { worker, role, databases, started_at } = process;
+        Self { worker, role, started_at, databases: databases.into_iter().map(DatabaseReady::from).collect() }
+    }
 }
 
 /// What is refused.
@@ -178,6 +200,9 @@ pub async fn info(State(service): State<Service>) -> Json<Info> {
     let limits = &service.limits;
     let threads = service.compute.threads(Lane::Recognition);
     let ms = |duration: Duration| duration.as_millis() as u64;
+    let told = tokio::time::timeout(STORE_PATIENCE, service.databases.processes()).await;
+    let others = told.ok().and_then(Result::ok).unwrap_or_default();
+    let others = others.into_iter().filter(|process| process.worker != *service.worker);
     Json(Info {
         name: "landmarkd",
         version: env!("CARGO_PKG_VERSION"),
@@ -204,5 +229,7 @@ pub async fn info(State(service): State<Service>) -> Json<Info> {
         formats: vec!["image/jpeg", "image/png", "image/x-portable-graymap", "image/x-portable-pixmap"],
         started_at: service.started_at,
         worker: service.worker.to_string(),
+        role: service.role.as_str(),
+        processes: std::iter::once(service.process()).chain(others).map(ProcessBody::from).collect(),
     })
 }

@@ -54,8 +54,8 @@ use self::body::BodyBudget;
 pub use self::estimators::Estimators;
 pub use self::tracks::Tracks;
 use crate::compute::Compute;
-use crate::config::Limits;
-use crate::database::Databases;
+use crate::config::{Limits, Role};
+use crate::database::{Databases, Process};
 use crate::imaging::DecodeLimits;
 use crate::jobs::Jobs;
 use crate::telemetry::Metrics;
@@ -77,10 +77,24 @@ pub struct Service {
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
     pub worker: Arc<str>,
+    /// Its part of a fleet's work.
+    pub role: Role,
     /// True from the first complete load of the registry until shutdown.
     pub ready: Arc<AtomicBool>,
     /// Turns true when the service shuts down: endless answers end.
     pub shutdown: watch::Receiver<bool>,
+}
+
+impl Service {
+    /// This process, and what it serves.
+    pub fn process(&self) -> Process {
+        Process {
+            worker: self.worker.to_string(),
+            role: self.role.as_str().to_owned(),
+            databases: self.databases.registry().states(),
+            started_at: self.started_at,
+        }
+    }
 }
 
 fn routes() -> OpenApiRouter<Service> {

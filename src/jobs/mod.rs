@@ -60,6 +60,12 @@ impl Jobs {
         Self { catalogue, work: Arc::default(), changed: Arc::default(), publishing: Arc::default() }
     }
 
+    /// Have those who wait for jobs, or for changes of one, look again.
+    pub fn wake(&self) {
+        self.work.notify_one();
+        self.changed.notify_waiters();
+    }
+
     /// Queue a training of the database.
     ///
     /// # Errors

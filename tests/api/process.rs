@@ -31,13 +31,19 @@ pub struct Process {
 impl Process {
     /// Start the service over a folder, and wait until it listens.
     pub fn start(folder: &Path) -> Self {
-        let mut child = landmarkd()
+        Self::start_with(folder, |_| ())
+    }
+
+    /// The same with more said on the command line or in the environment.
+    pub fn start_with(folder: &Path, say: impl FnOnce(&mut Command)) -> Self {
+        let mut command = landmarkd();
+        command
             .args(["serve", "--bind", "127.0.0.1:0", "--threads", "2", "--log-format", "json", "--data-dir"])
             .arg(folder)
             .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+            .stderr(Stdio::piped());
+        say(&mut command);
+        let mut child = command.spawn().unwrap();
         let (found, address) = mpsc::channel();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         let log = std::thread::spawn(move || {
@@ -64,6 +70,17 @@ impl Process {
         self.url.strip_prefix("http://").unwrap()
     }
 
+    /// Its number in the system.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Send it a signal by its name, such as `STOP`.
+    pub fn signal(&self, name: &str) {
+        let sent = Command::new("kill").arg(format!("-{name}")).arg(self.id().to_string()).status().unwrap();
+        assert!(sent.success());
+    }
+
     /// End it as a power cut would.
     pub fn kill(mut self) {
         self.child.kill().unwrap();
@@ -73,8 +90,7 @@ impl Process {
     /// Ask it to end, as a supervisor does; its exit status, how long it took, and its log.
     pub fn terminate(mut self) -> (ExitStatus, Duration, Vec<String>) {
         let started = Instant::now();
-        let asked = Command::new("kill").arg("-TERM").arg(self.child.id().to_string()).status().unwrap();
-        assert!(asked.success());
+        self.signal("TERM");
         let status = self.child.wait().unwrap();
         let log = self.log.take().unwrap().join().unwrap();
         (status, started.elapsed(), log)

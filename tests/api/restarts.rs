@@ -160,6 +160,7 @@ async fn a_folder_in_use_is_refused_with_what_to_do() {
 
 /// The service's own client: no proxy, and no connection is used twice, so that a kill shows at once.
 fn client() -> Client {
+    rustls::crypto::ring::default_provider().install_default().ok();
     Client::builder().no_proxy().pool_max_idle_per_host(0).timeout(Duration::from_secs(30)).build().unwrap()
 }
 

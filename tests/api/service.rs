@@ -118,6 +118,11 @@ async fn info_tells_the_limits_in_force() {
     assert_eq!(info["formats"], json!(formats));
     assert!(info["worker"].as_str().unwrap().starts_with("worker-"));
     assert!(info["started_at"].as_str().unwrap().ends_with('Z'));
+    // One process works alone in a folder.
+    assert_eq!(info["role"], "all");
+    let (worker, started_at) = (&info["worker"], &info["started_at"]);
+    let alone = json!([{"worker": worker, "role": "all", "started_at": started_at, "databases": []}]);
+    assert_eq!(info["processes"], alone);
 }
 
 #[tokio::test(flavor = "multi_thread")]

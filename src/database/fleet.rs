@@ -1,0 +1,55 @@
+//! The processes that share a catalogue, and what each of them serves.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+use super::registry::ServedState;
+use super::{DatabaseError, Databases};
+use crate::store::ProcessRow;
+
+/// A process that hasn't told of itself for this long is taken for gone: five looks at the catalogue.
+const GONE_AFTER: Duration = Duration::from_secs(10);
+
+/// A process, and what it serves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Process {
+    /// The name under which it does jobs.
+    pub worker: String,
+    pub role: String,
+    pub databases: Vec<ServedState>,
+    pub started_at: Timestamp,
+}
+
+impl Databases {
+    /// Tell the other processes what this one serves.
+    ///
+    /// # Errors
+    /// The catalogue is away.
+    pub async fn tell(&self, process: &Process) -> Result<(), DatabaseError> {
+        let row = ProcessRow {
+            worker: process.worker.clone(),
+            role: process.role.clone(),
+            serving: serde_json::json!(process.databases).to_string(),
+            started_at: process.started_at,
+            seen_at: process.started_at,
+        };
+        Ok(self.catalogue.note_process(&row).await?)
+    }
+
+    /// The processes of the fleet by the time of their start; none where one process works alone. One whose row
+    /// can't be read, of another release perhaps, is listed as serving nothing.
+    ///
+    /// # Errors
+    /// The catalogue is away.
+    pub async fn processes(&self) -> Result<Vec<Process>, DatabaseError> {
+        let rows = self.catalogue.processes(GONE_AFTER).await?;
+        let process = |row: ProcessRow| Process {
+            databases: serde_json::from_str(&row.serving).unwrap_or_default(),
+            worker: row.worker,
+            role: row.role,
+            started_at: row.started_at,
+        };
+        Ok(rows.into_iter().map(process).collect())
+    }
+}
