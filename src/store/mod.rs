@@ -20,7 +20,6 @@ mod suite;
 /// A private bucket, shared with the tests of whole processes.
 #[cfg(test)]
 #[path = "../../tests/fleet/bucket.rs"]
-#[allow(dead_code, reason = "some of it is for the tests of whole processes")]
 mod test_bucket;
 
 pub use blobs::{BlobError, BlobName, Blobs};

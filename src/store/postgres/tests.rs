@@ -1,7 +1,7 @@
 //! PostgreSQL keeps every promise of the catalogue, and those of a shared one.
 
 #[path = "../../../tests/fleet/postgres.rs"]
-#[allow(dead_code, reason = "shared with the tests of whole processes")]
+#[expect(dead_code, reason = "some of it is for the tests of whole processes")]
 mod cluster;
 
 use std::collections::HashSet;
