@@ -41,6 +41,12 @@ impl Fleet {
         self.cluster.sql(&self.catalogue, statements);
     }
 
+    /// Transactions that the catalogue has committed.
+    pub fn transactions(&self) -> f64 {
+        let asked = "SELECT xact_commit FROM pg_stat_database WHERE datname = current_database()";
+        self.cluster.sql(&self.catalogue, asked).parse().expect("a number")
+    }
+
     /// One more process, listening.
     pub fn process(&self, arguments: &[&str]) -> Member {
         let number = self.started.fetch_add(1, Ordering::Relaxed);

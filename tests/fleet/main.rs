@@ -3,18 +3,19 @@
 //! Needs PostgreSQL's programs and `moto_server`, so every test is ignored unless asked for:
 //! `cargo test --test fleet -- --ignored`. `.ci/run` installs both and does.
 
-#[allow(dead_code, reason = "shared with the store's own tests")]
+#[expect(dead_code, reason = "shared with the store's own tests")]
 mod bucket;
 mod fleet;
 mod jobs;
 mod outages;
 #[path = "../api/pictures.rs"]
-#[allow(dead_code, reason = "shared with the tests of the API, which use all of it")]
+#[expect(dead_code, reason = "shared with the tests of the API, which use all of it")]
 mod pictures;
-#[allow(dead_code, reason = "shared with the store's own tests")]
+#[expect(dead_code, reason = "shared with the store's own tests")]
 mod postgres;
 mod posting;
 #[path = "../api/process.rs"]
-#[allow(dead_code, reason = "shared with the tests of the API, which use all of it")]
+#[expect(dead_code, reason = "shared with the tests of the API, which use all of it")]
 mod process;
+mod sizing;
 mod versions;
