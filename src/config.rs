@@ -49,7 +49,7 @@ impl Role {
 #[derive(Debug, Clone, Default, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenSettings {
-    /// Address to listen on. Loopback only, unless --insecure is given [default: 127.0.0.1:8080]
+    /// Address to listen on; loopback only, unless there is a key or --insecure is given [default: 127.0.0.1:8080]
     #[arg(long, env = "LANDMARKD_BIND", value_name = "ADDRESS")]
     pub bind: Option<SocketAddr>,
     /// Folder for the catalogue and the blobs, or in a fleet for copies of blobs; made if missing [default: ./landmarkd-data]
@@ -76,7 +76,7 @@ pub struct GivenSettings {
     /// Memory for loaded versions that no alias names, least recently used out first [default: 1024]
     #[arg(long, env = "LANDMARKD_MEMORY_LIMIT_MB", value_name = "N")]
     pub memory_limit_mb: Option<u64>,
-    /// Listen on an address other than loopback although nothing asks who is calling
+    /// Listen on an address other than loopback although there is no key and nobody is asked for one
     #[arg(long, env = "LANDMARKD_INSECURE", num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
     pub insecure: Option<bool>,
     /// How log lines are written [default: text]
@@ -103,6 +103,38 @@ pub struct GivenSettings {
     /// Longest time one request may take, in seconds (batches ten times as long) [default: 60]
     #[arg(long, env = "LANDMARKD_REQUEST_TIMEOUT_S", value_name = "SECONDS")]
     pub request_timeout_s: Option<u64>,
+    /// Certificate chain as PEM, the service's own first; with --tls-key the service speaks HTTPS alone [default: none]
+    #[arg(long, env = "LANDMARKD_TLS_CERT", value_name = "FILE")]
+    pub tls_cert: Option<PathBuf>,
+    /// Private key of the certificate as PEM; both files are read again when they change [default: none]
+    #[arg(long, env = "LANDMARKD_TLS_KEY", value_name = "FILE")]
+    pub tls_key: Option<PathBuf>,
+    /// Most connections at once; one more is closed [default: 1024]
+    #[arg(long, env = "LANDMARKD_MAX_CONNECTIONS", value_name = "N")]
+    pub max_connections: Option<usize>,
+    /// Longest time a new connection, or one that has begun a header, may take to finish the header, in seconds [default: 10]
+    #[arg(long, env = "LANDMARKD_HEADER_TIMEOUT_S", value_name = "SECONDS")]
+    pub header_timeout_s: Option<u64>,
+    /// Longest time the body of a request may take to arrive, in seconds [default: 30]
+    #[arg(long, env = "LANDMARKD_BODY_TIMEOUT_S", value_name = "SECONDS")]
+    pub body_timeout_s: Option<u64>,
+    /// Longest time a connection may stay open without a request, in seconds [default: 75]
+    #[arg(long, env = "LANDMARKD_IDLE_TIMEOUT_S", value_name = "SECONDS")]
+    pub idle_timeout_s: Option<u64>,
+}
+
+impl GivenSettings {
+    /// What a file gives; no file gives nothing.
+    fn of_file(path: Option<&Path>) -> Result<Self, SettingsError> {
+        let Some(path) = path else { return Ok(Self::default()) };
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
+        toml::from_str(&text).map_err(|error: toml::de::Error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            SettingsError::Malformed { path: path.into(), line, what: error.message().to_owned() }
+        })
+    }
 }
 
 /// Where a shared catalogue is; it holds a password, so it isn't shown.
@@ -129,6 +161,37 @@ impl fmt::Debug for SharedCatalogue {
     }
 }
 
+/// Where the catalogue of a service is: for a verb that needs no more of it.
+#[derive(Debug, Clone, Args)]
+pub struct CatalogueArgs {
+    /// Settings of the service as TOML; flags and environment win over it
+    #[arg(long, env = "LANDMARKD_CONFIG", value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Folder of the service [default: ./landmarkd-data]
+    #[arg(long, env = "LANDMARKD_DATA_DIR", value_name = "DIR")]
+    data_dir: Option<PathBuf>,
+    /// Catalogue that a fleet shares [default: in the data folder]
+    #[arg(long, env = "LANDMARKD_CATALOGUE", value_name = "URL", hide_env_values = true)]
+    catalogue: Option<SharedCatalogue>,
+}
+
+impl CatalogueArgs {
+    /// The shared catalogue, or else the data folder.
+    ///
+    /// # Errors
+    /// An unreadable or malformed settings file.
+    pub fn settle(self) -> Result<Result<SharedCatalogue, PathBuf>, SettingsError> {
+        let file = GivenSettings::of_file(self.config.as_deref())?;
+        let data_dir = self.data_dir.or(file.data_dir).unwrap_or_else(default_data_dir);
+        // A folder that was named on the command line isn't outdone by a file's catalogue.
+        Ok(self.catalogue.or(file.catalogue).ok_or(data_dir))
+    }
+}
+
+fn default_data_dir() -> PathBuf {
+    PathBuf::from("landmarkd-data")
+}
+
 /// What the processes of a fleet share.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shared {
@@ -137,6 +200,13 @@ pub struct Shared {
     pub blobs: String,
     /// Bytes that copies of blobs may take in the data folder.
     pub cache_limit_bytes: u64,
+}
+
+/// Where the service's certificate and its key are, both as PEM.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TlsFiles {
+    pub cert: PathBuf,
+    pub key: PathBuf,
 }
 
 /// What is refused before it costs anything. `GET /v1/info` shows these.
@@ -171,10 +241,18 @@ pub struct Limits {
     pub waiting_per_thread: usize,
     /// Longest time one request may take.
     pub request_timeout: Duration,
-    /// Longest time the header of a request may take to arrive.
+    /// Most connections at once. A thousand robots keep one each; what one may take at worst is in `connections`.
+    pub max_connections: usize,
+    /// Longest time the header of a request may take to arrive, from the connection or from its first byte; a TLS
+    /// handshake counts as a part of the first one.
     pub header_timeout: Duration,
     /// Longest time the body of a request may take to arrive.
     pub body_timeout: Duration,
+    /// Longest time between two requests of a connection: over the minute that proxies and clients keep theirs, so
+    /// that it is they who close.
+    pub idle_timeout: Duration,
+    /// Longest time a client may leave an answer lying; taking 16 KiB counts as going on.
+    pub write_timeout: Duration,
 }
 
 impl Default for Limits {
@@ -194,8 +272,11 @@ impl Default for Limits {
             track_idle: Duration::from_secs(600),
             waiting_per_thread: 64,
             request_timeout: Duration::from_secs(60),
+            max_connections: 1024,
             header_timeout: Duration::from_secs(10),
             body_timeout: Duration::from_secs(30),
+            idle_timeout: Duration::from_secs(75),
+            write_timeout: Duration::from_secs(30),
         }
     }
 }
@@ -215,6 +296,8 @@ pub struct Settings {
     /// Bytes that loaded versions without an alias may take.
     pub memory_limit_bytes: u64,
     pub insecure: bool,
+    /// None: HTTP without TLS.
+    pub tls: Option<TlsFiles>,
     pub log_format: LogFormat,
     pub limits: Limits,
 }
@@ -228,15 +311,12 @@ pub enum SettingsError {
     #[error("the settings file {path} is not right, at its line {line}: {what}")]
     Malformed { path: PathBuf, line: usize, what: String },
     #[error(
-        "--bind {bind} is reachable from other machines and nothing asks who is calling: \
-         bind a loopback address such as 127.0.0.1:8080 behind your own gateway, or add --insecure to allow it"
-    )]
-    OpenToAll { bind: SocketAddr },
-    #[error(
         "--catalogue and --blobs belong together: a catalogue that several processes share names blobs that all of \
          them must reach. Give both, or neither for one process on --data-dir"
     )]
     HalfShared,
+    #[error("--tls-cert and --tls-key belong together: give both for HTTPS, or neither for HTTP")]
+    HalfTls,
     #[error("--serve {given} is no pattern: names with * and ? are, such as floor-*")]
     NoPattern { given: String, source: glob::PatternError },
     #[error("--role {} needs a catalogue that others share: give --catalogue and --blobs", role.as_str())]
@@ -246,23 +326,17 @@ pub enum SettingsError {
 }
 
 impl Settings {
+    /// Whether a service without a key lets everybody in: from this machine, or at the operator's word.
+    pub fn is_open_without_keys(&self) -> bool {
+        self.bind.ip().is_loopback() || self.insecure
+    }
+
     /// Settle what was given on the command line and in the environment with the file at `config`, if any.
     ///
     /// # Errors
-    /// An unreadable or malformed file, a number out of its range, or an address that is open to all.
+    /// An unreadable or malformed file, or a number out of its range.
     pub fn settle(given: GivenSettings, config: Option<&Path>) -> Result<Self, SettingsError> {
-        let file = match config {
-            None => GivenSettings::default(),
-            Some(path) => {
-                let text = std::fs::read_to_string(path)
-                    .map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
-                toml::from_str(&text).map_err(|error: toml::de::Error| {
-                    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-                    let line = before.matches('\n').count() + 1;
-                    SettingsError::Malformed { path: path.into(), line, what: error.message().to_owned() }
-                })?
-            }
-        };
+        let file = GivenSettings::of_file(config)?;
         let defaults = Limits::default();
         let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
         let number = |setting, flag: Option<u64>, file: Option<u64>, default: u64, least: u64, most: u64| {
@@ -283,6 +357,11 @@ impl Settings {
             }
             _ => return Err(SettingsError::HalfShared),
         };
+        let tls = match (given.tls_cert.or(file.tls_cert), given.tls_key.or(file.tls_key)) {
+            (None, None) => None,
+            (Some(cert), Some(key)) => Some(TlsFiles { cert, key }),
+            _ => return Err(SettingsError::HalfTls),
+        };
         let role = given.role.or(file.role).unwrap_or(Role::All);
         if shared.is_none() && role != Role::All {
             return Err(SettingsError::RoleAlone { role });
@@ -292,7 +371,7 @@ impl Settings {
             .map_err(|source| SettingsError::NoPattern { given: pattern, source })?;
         let settings = Self {
             bind: given.bind.or(file.bind).unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
-            data_dir: given.data_dir.or(file.data_dir).unwrap_or_else(|| PathBuf::from("landmarkd-data")),
+            data_dir: given.data_dir.or(file.data_dir).unwrap_or_else(default_data_dir),
             shared,
             role,
             holds: (role != Role::Train).then_some(holds),
@@ -306,6 +385,7 @@ impl Settings {
                 1 << 20,
             )? << 20,
             insecure: given.insecure.or(file.insecure).unwrap_or(false),
+            tls,
             log_format: given.log_format.or(file.log_format).unwrap_or(LogFormat::Text),
             limits: Limits {
                 max_body_bytes: number("max_body_mb", given.max_body_mb, file.max_body_mb, 16, 1, 256)? << 20,
@@ -357,12 +437,41 @@ impl Settings {
                     1,
                     3600,
                 )?),
+                max_connections: number(
+                    "max_connections",
+                    size(given.max_connections),
+                    size(file.max_connections),
+                    defaults.max_connections as u64,
+                    2,
+                    100_000,
+                )? as usize,
+                header_timeout: Duration::from_secs(number(
+                    "header_timeout_s",
+                    given.header_timeout_s,
+                    file.header_timeout_s,
+                    10,
+                    1,
+                    600,
+                )?),
+                body_timeout: Duration::from_secs(number(
+                    "body_timeout_s",
+                    given.body_timeout_s,
+                    file.body_timeout_s,
+                    30,
+                    1,
+                    3600,
+                )?),
+                idle_timeout: Duration::from_secs(number(
+                    "idle_timeout_s",
+                    given.idle_timeout_s,
+                    file.idle_timeout_s,
+                    75,
+                    1,
+                    3600,
+                )?),
                 ..defaults
             },
         };
-        if !settings.bind.ip().is_loopback() && !settings.insecure {
-            return Err(SettingsError::OpenToAll { bind: settings.bind });
-        }
         Ok(settings)
     }
 }
@@ -380,14 +489,6 @@ mod tests {
         assert_eq!(settings.threads, 5);
         assert_eq!(settings.limits.max_body_bytes, 2 << 20);
         assert_eq!(settings.limits.max_side_px, 8192);
-    }
-
-    #[test]
-    fn an_address_open_to_all_needs_insecure() {
-        let given = GivenSettings { bind: Some("0.0.0.0:8080".parse().unwrap()), ..Default::default() };
-        assert!(matches!(Settings::settle(given.clone(), None), Err(SettingsError::OpenToAll { .. })));
-        let given = GivenSettings { insecure: Some(true), ..given };
-        assert!(Settings::settle(given, None).is_ok());
     }
 
     #[test]
@@ -409,6 +510,14 @@ mod tests {
         assert!(matches!(settled(url, None, None), Err(SettingsError::HalfShared)));
         assert!(matches!(settled(None, bucket, None), Err(SettingsError::HalfShared)));
         assert!(matches!(settled(None, None, Some(Role::Serve)), Err(SettingsError::RoleAlone { .. })));
+    }
+
+    #[test]
+    fn a_certificate_without_its_key_is_refused() {
+        let given = GivenSettings { tls_cert: Some("cert.pem".into()), ..Default::default() };
+        assert!(matches!(Settings::settle(given.clone(), None), Err(SettingsError::HalfTls)));
+        let given = GivenSettings { tls_key: Some("key.pem".into()), ..given };
+        assert!(Settings::settle(given, None).unwrap().tls.is_some());
     }
 
     #[test]

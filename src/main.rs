@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -13,7 +13,8 @@ use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::demo::{self, DemoArgs};
 use landmarkd::evaluate::EvaluateArgs;
 use landmarkd::evaluate::depth::{EvaluateDepthArgs, evaluate_depth};
-use landmarkd::{http, serve, telemetry};
+use landmarkd::keys::{self, KeysArgs};
+use landmarkd::{database, http, serve, store, telemetry};
 use serde::Serialize;
 
 /// Robots ask where they are and what they see; the answer comes with its evidence.
@@ -45,6 +46,23 @@ enum Verb {
     Evaluate(EvaluateArgs),
     /// Measure depth from a near- and a far-focused picture, and tell how far it is from the truth
     EvaluateDepth(EvaluateDepthArgs),
+    /// Make, list and revoke the keys of a service
+    Keys(KeysArgs),
+    /// Copy a data folder, also while the service runs on it; to restore, serve on the copy
+    Backup {
+        /// Folder to copy
+        #[arg(long, env = "LANDMARKD_DATA_DIR", default_value = "./landmarkd-data", value_name = "FOLDER")]
+        data_dir: PathBuf,
+        /// New folder for the copy
+        #[arg(long, value_name = "FOLDER")]
+        to: PathBuf,
+    },
+    /// Read everything in a data folder or a backup, and tell what is damaged
+    Verify {
+        /// Folder to read
+        #[arg(long, env = "LANDMARKD_DATA_DIR", default_value = "./landmarkd-data", value_name = "FOLDER")]
+        data_dir: PathBuf,
+    },
     /// Print the OpenAPI document
     Openapi,
     /// Succeed if the service at the address is ready
@@ -52,6 +70,10 @@ enum Verb {
         /// Where the service listens
         #[arg(long, env = "LANDMARKD_BIND", default_value = "127.0.0.1:8080", value_name = "ADDRESS")]
         bind: SocketAddr,
+        /// The certificate that the service serves with, if it does. It isn't held against the answer: nothing is told
+        /// to the service, and names in certificates are rarely those of loopback
+        #[arg(long, env = "LANDMARKD_TLS_CERT", value_name = "FILE")]
+        tls_cert: Option<PathBuf>,
     },
 }
 
@@ -72,23 +94,30 @@ fn run(verb: Verb) -> anyhow::Result<()> {
         Verb::Serve { config, settings } => {
             let settings = Settings::settle(settings, config.as_deref())?;
             telemetry::start_logging(settings.log_format, false);
-            runtime()?.block_on(serve::serve(
-                &settings,
-                |address| {
-                    tracing::info!(%address, data_dir = %settings.data_dir.display(), "listening");
-                },
-                stop_signal(),
-            ))?;
-            Ok(())
+            let listening = |address| {
+                tracing::info!(%address, data_dir = %settings.data_dir.display(), "listening");
+            };
+            runtime()?.block_on(async {
+                tokio::select! {
+                    served = serve::serve(&settings, listening, stop_signals(1)) => Ok(served?),
+                    () = stop_signals(2) => anyhow::bail!("ended at once, by a second signal"),
+                }
+            })
         }
         Verb::Demo { args, settings } => demonstrate(&args, settings),
         Verb::Evaluate(args) => evaluate(&args),
         Verb::EvaluateDepth(args) => print(&evaluate_depth(&args)?, args.json),
+        Verb::Keys(args) => {
+            write!(std::io::stdout(), "{}", runtime()?.block_on(keys::run(args))?)?;
+            Ok(())
+        }
+        Verb::Backup { data_dir, to } => runtime()?.block_on(back_up(&data_dir, &to)),
+        Verb::Verify { data_dir } => runtime()?.block_on(verify(&data_dir)),
         Verb::Openapi => {
             std::io::stdout().write_all(http::openapi::text().as_bytes())?;
             Ok(())
         }
-        Verb::Healthcheck { bind } => runtime()?.block_on(healthcheck(bind)),
+        Verb::Healthcheck { bind, tls_cert } => runtime()?.block_on(healthcheck(bind, tls_cert.is_some())),
     }
 }
 
@@ -99,6 +128,10 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
         given.bind = Some(SocketAddr::from(([127, 0, 0, 1], 0)));
     }
     let settings = Settings::settle(given, None)?;
+    anyhow::ensure!(
+        settings.tls.is_none(),
+        "the demo is a client without TLS: leave out --tls-cert and --tls-key"
+    );
     telemetry::start_logging(settings.log_format, true);
     runtime()?.block_on(async {
         let (announce, mut listening) = tokio::sync::mpsc::unbounded_channel();
@@ -106,7 +139,7 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
         let stop = async {
             // Without --exit the other end is never used, and the signal decides.
             tokio::select! {
-                () = stop_signal() => {}
+                () = stop_signals(1) => {}
                 Ok(()) = finish => {}
             }
         };
@@ -163,33 +196,76 @@ fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_multi_thread().enable_all().build().context("can't start the async runtime")
 }
 
-/// Resolves at Ctrl-C or SIGTERM.
-async fn stop_signal() {
-    let interrupt = tokio::signal::ctrl_c();
+/// Resolves at so many Ctrl-Cs or SIGTERMs.
+async fn stop_signals(count: usize) {
     #[cfg(unix)]
     {
-        match tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
-            Ok(mut terminate) => tokio::select! {
-                _ = interrupt => {}
-                _ = terminate.recv() => {}
-            },
-            Err(_) => drop(interrupt.await),
+        use tokio::signal::unix::{SignalKind, signal};
+        if let (Ok(mut interrupt), Ok(mut terminate)) =
+            (signal(SignalKind::interrupt()), signal(SignalKind::terminate()))
+        {
+            for _ in 0..count {
+                tokio::select! {
+                    _ = interrupt.recv() => {}
+                    _ = terminate.recv() => {}
+                }
+            }
+            return;
         }
     }
-    #[cfg(not(unix))]
-    drop(interrupt.await);
+    for _ in 0..count {
+        drop(tokio::signal::ctrl_c().await);
+    }
 }
 
-async fn healthcheck(bind: SocketAddr) -> anyhow::Result<()> {
+async fn back_up(data_dir: &Path, to: &Path) -> anyhow::Result<()> {
+    let backup = store::back_up(data_dir, to).await?;
+    println!(
+        "{} blobs of {} bytes in all, with their catalogue: {}",
+        backup.blobs,
+        backup.bytes,
+        to.display()
+    );
+    for damaged in &backup.damaged {
+        println!("not copied: {damaged}");
+    }
+    anyhow::ensure!(
+        backup.damaged.is_empty(),
+        "{} blobs are damaged or gone in {}, the rest is copied: landmarkd verify tells what they belong to",
+        backup.damaged.len(),
+        data_dir.display()
+    );
+    Ok(())
+}
+
+async fn verify(data_dir: &Path) -> anyhow::Result<()> {
+    let folder = store::open_beside(data_dir).await?;
+    let mut faults = store::catalogue_faults(data_dir).await?;
+    let seen = database::verify(&*folder.catalogue, &folder.blobs).await?;
+    faults.extend(seen.faults);
+    for fault in &faults {
+        println!("{fault}");
+    }
+    anyhow::ensure!(faults.is_empty(), "{} faults in {}", faults.len(), data_dir.display());
+    println!("{} exemplars and {} versions are whole", seen.exemplars, seen.versions);
+    Ok(())
+}
+
+async fn healthcheck(bind: SocketAddr, over_tls: bool) -> anyhow::Result<()> {
     // A service bound to every address answers on loopback.
     let host = match bind.ip() {
         ip if ip.is_unspecified() && ip.is_ipv4() => [127, 0, 0, 1].into(),
         ip if ip.is_unspecified() => std::net::Ipv6Addr::LOCALHOST.into(),
         ip => ip,
     };
-    let url = format!("http://{}/readyz", SocketAddr::new(host, bind.port()));
-    let client =
-        reqwest::Client::builder().timeout(Duration::from_secs(5)).no_proxy().tls_certs_only([]).build()?;
+    let scheme = if over_tls { "https" } else { "http" };
+    let url = format!("{scheme}://{}/readyz", SocketAddr::new(host, bind.port()));
+    let client = reqwest::Client::builder()
+        .timeout(Duration::from_secs(5))
+        .no_proxy()
+        .tls_certs_only([])
+        .tls_danger_accept_invalid_certs(over_tls)
+        .build()?;
     let answer = client.get(&url).send().await.with_context(|| format!("no answer from {url}"))?;
     anyhow::ensure!(answer.status().is_success(), "{url} answers {}", answer.status());
     if std::io::stdout().is_terminal() {

@@ -8,36 +8,42 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use axum_server::Handle;
-use hyper_util::rt::TokioTimer;
 use jiff::Timestamp;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::watch;
 use tokio::task::{JoinError, JoinHandle, JoinSet};
+use tokio_util::task::AbortOnDropHandle;
 use uuid::Uuid;
 
+use crate::access::Keyring;
 use crate::compute::{Compute, ComputeError};
-use crate::config::{Role, Settings, Shared};
+use crate::config::{Limits, Role, Settings, Shared};
+use crate::connections;
 use crate::database::Databases;
 use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
 use crate::store::{
-    Blobs, Catalogue, CatalogueError, Folder, OpenBucketError, OpenCatalogueError, OpenFolderError,
-    open_bucket, open_folder, open_postgres,
+    Blobs, Catalogue, CatalogueError, Collected, Folder, OpenBucketError, OpenCatalogueError,
+    OpenFolderError, open_bucket, open_folder, open_postgres,
 };
 use crate::telemetry::{Metrics, chain};
+use crate::tls::{self, TlsError};
 
+/// Connections that may wait to be accepted: as many as there may be in all.
+const BACKLOG: u32 = 1024;
 /// How often the catalogue is asked what the aliases name: a change made elsewhere is served this much later.
 const REFRESH_EVERY: Duration = Duration::from_secs(2);
+/// How old the time of a key's last use may be in the catalogue.
+const NOTE_USES_EVERY: Duration = Duration::from_secs(30);
 /// How often blobs that nothing names are looked for.
 const COLLECT_EVERY: Duration = Duration::from_secs(3600);
 /// A blob younger than this may belong to an upload whose row is still to come.
 const ORPHAN_AGE: Duration = Duration::from_secs(24 * 3600);
-/// Longest header of a request.
-const MAX_HEADER_BYTES: usize = 16 << 10;
-/// How long requests in flight may take to end at shutdown.
-const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(20);
+/// Files and sockets that the process needs besides its connections: the catalogue, blobs, pictures being read.
+#[cfg(target_os = "linux")]
+const OTHER_DESCRIPTORS: u64 = 512;
 
 /// Why the service doesn't start.
 #[derive(Debug, thiserror::Error)]
@@ -62,15 +68,24 @@ pub enum ServeError {
         #[from]
         source: OpenBucketError,
     },
-    #[error("can't take over the jobs of the run before")]
+    #[error("the catalogue can't be read")]
     Catalogue {
         #[from]
         source: CatalogueError,
     },
+    #[error(
+        "--bind {bind} is reachable from other machines, and there is no key to ask for: make one with \
+         landmarkd keys create --name NAME --scope admin (and the --data-dir or --catalogue of this service), or bind \
+         a loopback address such as 127.0.0.1:8080, or add --insecure to let everybody in"
+    )]
+    OpenToAll { bind: SocketAddr },
     #[error("can't listen on {bind}: is another service there? Give another address with --bind")]
     Bind { bind: SocketAddr, source: io::Error },
-    #[error("the server stopped")]
-    Server { source: io::Error },
+    #[error("can't serve over TLS")]
+    Tls {
+        #[from]
+        source: TlsError,
+    },
     #[error("a part of the service that works in the background died")]
     Background { source: Option<JoinError> },
 }
@@ -97,7 +112,8 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
             (catalogue, blobs)
         }
     };
-    let limits = settings.limits.clone();
+    let max_connections = room_for(settings.limits.max_connections);
+    let limits = Limits { max_connections, ..settings.limits.clone() };
     let compute = Compute::new(settings.threads, limits.waiting_per_thread, limits.max_decode_bytes_total)?;
     let worker: Arc<str> = format!("worker-{}", Uuid::now_v7()).into();
     // A folder's lock is ours, so whoever held a job before is dead; of a shared catalogue nothing is released.
@@ -114,6 +130,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
     let metrics = Arc::new(Metrics::new());
     let hints = catalogue.hints();
     let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
+    let keyring = Keyring::open(Arc::clone(&catalogue), settings.is_open_without_keys()).await?;
     let databases = Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), memory_limit, holds);
     let jobs = Jobs::new(catalogue);
     let runner = Runner::new(
@@ -126,6 +143,8 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
     );
     let runner = (settings.role != Role::Serve).then_some(runner);
     let service = Service {
+        keyring,
+        insecure: settings.insecure,
         databases,
         jobs,
         compute,
@@ -182,6 +201,8 @@ impl Parts {
             tasks.spawn(collect_orphans(self.service.clone(), shutdown.clone()));
         }
         tasks.spawn(tell(self.service.clone(), shutdown.clone()));
+        tasks.spawn(refresh_keys(self.service.keyring.clone(), self.hints.clone(), shutdown.clone()));
+        tasks.spawn(note_key_uses(self.service.keyring.clone(), shutdown.clone()));
         tasks.spawn(wake_jobs(self.service.jobs.clone(), self.hints.clone(), shutdown.clone()));
         tasks.spawn(refresh(self.service, self.hints, shutdown));
         let background = tokio::spawn(async move {
@@ -207,8 +228,18 @@ async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) 
             _ = shutdown.wait_for(|stop| *stop) => return,
         };
         match collected {
-            Ok(0) => {}
-            Ok(removed) => tracing::info!(removed, "removed blobs that nothing names"),
+            Ok(Collected { removed, failed, error }) => {
+                if removed > 0 {
+                    tracing::info!(removed, "removed blobs that nothing names");
+                }
+                if let Some(error) = error {
+                    tracing::warn!(
+                        failed,
+                        error = chain(&error),
+                        "can't remove some orphan blobs: later again"
+                    );
+                }
+            }
             Err(error) => tracing::warn!(error = chain(&error), "can't collect orphan blobs"),
         }
     }
@@ -223,7 +254,7 @@ async fn refresh(service: Service, mut hints: watch::Receiver<u64>, mut shutdown
             _ = shutdown.wait_for(|stop| *stop) => return,
         };
         match refreshed {
-            Ok(()) => service.ready.store(!*shutdown.borrow(), Ordering::Relaxed),
+            Ok(()) => service.ready.store(true, Ordering::Relaxed),
             Err(error) => {
                 tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on");
             }
@@ -239,12 +270,55 @@ async fn refresh(service: Service, mut hints: watch::Receiver<u64>, mut shutdown
 /// Tell the other processes what this one serves, until shutdown; a catalogue that is away is told later.
 async fn tell(service: Service, mut shutdown: watch::Receiver<bool>) {
     loop {
-        if let Err(error) = service.databases.tell(&service.process()).await {
-            tracing::debug!(error = chain(&error), "can't tell what is served here");
+        let telling = async {
+            if let Err(error) = service.databases.tell(&service.process()).await {
+                tracing::debug!(error = chain(&error), "can't tell what is served here");
+            }
+            tokio::time::sleep(REFRESH_EVERY).await;
+        };
+        tokio::select! {
+            () = telling => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
         }
+    }
+}
+
+/// Know of keys that were made or revoked elsewhere, until shutdown: at once when there is a hint, and every
+/// [`REFRESH_EVERY`] in any case. A task of its own: a version that takes long to load must not hold up a revocation.
+async fn refresh_keys(
+    keyring: Keyring,
+    mut hints: watch::Receiver<u64>,
+    mut shutdown: watch::Receiver<bool>,
+) {
+    loop {
         tokio::select! {
             () = tokio::time::sleep(REFRESH_EVERY) => {}
+            Ok(()) = hints.changed() => {}
             _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+        let refreshed = tokio::select! {
+            refreshed = keyring.refresh() => refreshed,
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        };
+        if let Err(error) = refreshed {
+            tracing::warn!(error = chain(&error), "can't read the keys; those known stay in force");
+        }
+    }
+}
+
+/// Note now and then when keys were last used, until shutdown. A task of its own: a write must not hold up a revocation.
+async fn note_key_uses(keyring: Keyring, mut shutdown: watch::Receiver<bool>) {
+    loop {
+        tokio::select! {
+            () = tokio::time::sleep(NOTE_USES_EVERY) => {}
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        }
+        let noted = tokio::select! {
+            noted = keyring.note_uses() => noted,
+            _ = shutdown.wait_for(|stop| *stop) => return,
+        };
+        if let Err(error) = noted {
+            tracing::warn!(error = chain(&error), "can't note when keys were last used: later again");
         }
     }
 }
@@ -275,45 +349,76 @@ pub async fn serve(
         // What a fleet shares may be waited for.
         () = &mut stop => return Ok(()),
     };
-    let bind = settings.bind;
-    let listener = std::net::TcpListener::bind(bind).map_err(|source| ServeError::Bind { bind, source })?;
-    listener.set_nonblocking(true).map_err(|source| ServeError::Bind { bind, source })?;
-    let (service, mut background) = parts.start();
-
-    let handle = Handle::new();
-    let mut server = axum_server::from_tcp(listener)
-        .map_err(|source| ServeError::Bind { bind, source })?
-        .handle(handle.clone())
-        // HTTP/2 without TLS is nobody's habit, and telling the two apart would wait for a first byte for ever.
-        .http1_only();
-    server
-        .http_builder()
-        .http1()
-        .timer(TokioTimer::new())
-        .header_read_timeout(service.limits.header_timeout)
-        .max_buf_size(MAX_HEADER_BYTES);
-    let ready = Arc::clone(&service.ready);
-    let served = server.serve(http::router(service).into_make_service());
-    let stopping = async {
-        if let Some(address) = handle.listening().await {
-            listening(address);
+    let (tls, following) = match &settings.tls {
+        None => (None, None),
+        Some(files) => {
+            let (in_force, following) = tls::follow(files.clone()).await?;
+            (Some(in_force), Some(AbortOnDropHandle::new(tokio::spawn(following))))
         }
+    };
+    let bind = settings.bind;
+    if !settings.is_open_without_keys() && !parts.service.keyring.has_keys() {
+        return Err(ServeError::OpenToAll { bind });
+    }
+    let not_bound = |source| ServeError::Bind { bind, source };
+    let listener = listen(bind).map_err(not_bound)?;
+    let address = listener.local_addr().map_err(not_bound)?;
+    let (service, mut background) = parts.start();
+    let limits = service.limits.clone();
+    let shutdown = service.shutdown.clone();
+    let serving = connections::serve(listener, tls, http::router(service), &limits, shutdown);
+    tokio::pin!(serving);
+    listening(address);
+    let stopping = async {
         stop.await;
         tracing::info!("shutting down");
-        ready.store(false, Ordering::Relaxed);
-        // Watched by the runner and by streams of events.
+        // Watched by `/readyz`, the runner and streams of events.
         announce.send_replace(true);
-        handle.graceful_shutdown(Some(SHUTDOWN_PATIENCE));
     };
-    tokio::pin!(served);
-    let served = tokio::select! {
+    tokio::select! {
         // Neither ends by itself but by failing.
-        served = &mut served => served,
+        () = &mut serving => {}
         died = &mut background => return Err(ServeError::Background { source: died.and_then(|died| died).err() }),
-        () = stopping => served.await,
-    };
-    if let Err(source) = background.await.and_then(|died| died) {
-        return Err(ServeError::Background { source: Some(source) });
+        () = stopping => serving.await,
     }
-    served.map_err(|source| ServeError::Server { source })
+    drop(following);
+    background.await.and_then(|died| died).map_err(|source| ServeError::Background { source: Some(source) })
+}
+
+/// Listen, with room for a burst of clients that connect at once.
+fn listen(bind: SocketAddr) -> io::Result<TcpListener> {
+    let socket = if bind.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
+    // A service that is started again must not wait for the connections of the one before to be forgotten.
+    #[cfg(unix)]
+    socket.set_reuseaddr(true)?;
+    socket.bind(bind)?;
+    socket.listen(BACKLOG)
+}
+
+/// How many of `wanted` connections the descriptors of this process suffice for, after asking for as many as it may
+/// have. Without any left files couldn't be opened.
+#[cfg(target_os = "linux")]
+fn room_for(wanted: usize) -> usize {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let needed = wanted as u64 + OTHER_DESCRIPTORS;
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let raised = maximum.map_or(needed, |maximum| maximum.min(needed));
+    let has = match current {
+        Some(current) if current < raised => {
+            let asked = Rlimit { current: Some(raised), maximum };
+            setrlimit(Resource::Nofile, asked).map_or(current, |()| raised)
+        }
+        current => current.unwrap_or(needed),
+    };
+    if has >= needed {
+        return wanted;
+    }
+    let fit = (has.saturating_sub(OTHER_DESCRIPTORS).max(has / 2)) as usize;
+    tracing::warn!(wanted, fit, "too few file descriptors for all connections: raise ulimit -n");
+    fit
+}
+
+#[cfg(not(target_os = "linux"))]
+fn room_for(wanted: usize) -> usize {
+    wanted
 }

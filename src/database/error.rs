@@ -13,6 +13,13 @@ pub enum DatabaseError {
     UnknownDatabase { database: String },
     #[error("database {database} has no exemplar {exemplar}")]
     UnknownExemplar { database: String, exemplar: String },
+    #[error("the picture of exemplar {exemplar} of database {database} is lost")]
+    LostExemplar {
+        database: String,
+        exemplar: String,
+        #[source]
+        source: BlobError,
+    },
     #[error("database {database} has no version {version}")]
     UnknownVersion { database: String, version: i64 },
     #[error("database {database} has no alias {alias}")]

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
 use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name};
-use crate::store::{BlobName, CatalogueError};
+use crate::store::{Actor, BlobName, CatalogueError};
 
 /// What a robot says about a frame; answers echo it as sent.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -115,8 +115,19 @@ impl Databases {
     }
 
     /// The bytes of an exemplar, as they were sent.
+    ///
+    /// # Errors
+    /// [`DatabaseError::LostExemplar`] when they are damaged or gone.
     pub async fn exemplar_bytes(&self, row: &ExemplarRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
+        let read = self.blobs.get(&row.blob.parse()?, row.bytes).await;
+        read.map_err(|source| match source.is_damage() {
+            true => DatabaseError::LostExemplar {
+                database: row.database.clone(),
+                exemplar: row.id.to_string(),
+                source,
+            },
+            false => source.into(),
+        })
     }
 
     /// Exemplars by id, after `after`.
@@ -141,8 +152,8 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::UnknownExemplar`].
-    pub async fn delete_exemplar(&self, database: &Name, id: Uuid) -> Result<(), DatabaseError> {
-        if self.catalogue.delete_exemplar(database.as_str(), id).await? {
+    pub async fn delete_exemplar(&self, database: &Name, id: Uuid, by: &Actor) -> Result<(), DatabaseError> {
+        if self.catalogue.delete_exemplar(database.as_str(), id, by).await? {
             return Ok(());
         }
         Err(DatabaseError::UnknownExemplar { database: database.to_string(), exemplar: id.to_string() })
@@ -156,8 +167,9 @@ impl Databases {
         &self,
         database: &Name,
         filter: &ExemplarFilter,
+        by: &Actor,
     ) -> Result<u64, DatabaseError> {
-        Ok(self.catalogue.delete_exemplars(database.as_str(), filter).await?)
+        Ok(self.catalogue.delete_exemplars(database.as_str(), filter, by).await?)
     }
 }
 

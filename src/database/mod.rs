@@ -16,6 +16,7 @@ mod name;
 pub mod options;
 pub mod registry;
 mod report;
+mod verification;
 mod version;
 mod workcells;
 
@@ -33,6 +34,7 @@ pub use report::{
     ConfusionReport, DimensionRateReport, GapReport, HeldOutReport, LandmarkReport, ObjectsReport,
     OneObjectReport, PoseErrorsReport, ReliabilityBinReport, ReliabilityReport, Report, ReportTimings,
 };
+pub use verification::{Verification, verify};
 pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};
 
@@ -42,7 +44,7 @@ pub use crate::store::{
 };
 
 use crate::compute::Compute;
-use crate::store::{Blobs, Catalogue};
+use crate::store::{Actor, Blobs, Catalogue, Collected};
 
 /// The alias that answers when a call names none.
 pub const CURRENT: &str = "current";
@@ -85,8 +87,8 @@ impl Databases {
         Ok(self.blobs.ping().await?)
     }
 
-    /// Remove blobs older than `age` that neither an exemplar nor a version names, and count them.
-    pub async fn collect_orphans(&self, age: Duration) -> Result<u64, DatabaseError> {
+    /// Remove blobs older than `age` that neither an exemplar nor a version names.
+    pub async fn collect_orphans(&self, age: Duration) -> Result<Collected, DatabaseError> {
         Ok(self.blobs.collect_orphans(age, &*self.catalogue).await?)
     }
 
@@ -100,14 +102,16 @@ impl Databases {
         name: &Name,
         kind: Kind,
         options: Option<&Options>,
+        by: &Actor,
     ) -> Result<(DatabaseRow, bool), DatabaseError> {
         let document = options.unwrap_or(&Options::default_of(kind)).to_document();
-        let (row, created) = self.catalogue.create_database(name.as_str(), kind.as_str(), &document).await?;
+        let (row, created) =
+            self.catalogue.create_database(name.as_str(), kind.as_str(), &document, by).await?;
         if row.kind != kind.as_str() {
             return Err(DatabaseError::KindConflict { database: name.to_string(), kind: row.kind });
         }
         if options.is_some() && row.options != document {
-            let row = self.catalogue.set_database_options(name.as_str(), &document).await?;
+            let row = self.catalogue.set_database_options(name.as_str(), &document, by).await?;
             return Ok((row, false));
         }
         Ok((row, created))
@@ -136,8 +140,8 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::UnknownDatabase`].
-    pub async fn delete(&self, name: &Name) -> Result<(), DatabaseError> {
-        if !self.catalogue.delete_database(name.as_str()).await? {
+    pub async fn delete(&self, name: &Name, by: &Actor) -> Result<(), DatabaseError> {
+        if !self.catalogue.delete_database(name.as_str(), by).await? {
             return Err(DatabaseError::UnknownDatabase { database: name.to_string() });
         }
         self.registry.forget(name.as_str(), None);
@@ -172,10 +176,11 @@ impl Databases {
         alias: &Name,
         version: i64,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<(AliasRow, bool), DatabaseError> {
         // Held until the registry has swapped, so that the load is not done twice.
         let _loaded = self.version_model(name, version).await?;
-        let set = self.catalogue.set_alias(name.as_str(), alias.as_str(), version, expected).await?;
+        let set = self.catalogue.set_alias(name.as_str(), alias.as_str(), version, expected, by).await?;
         self.registry.refresh().await?;
         Ok(set)
     }
@@ -189,8 +194,9 @@ impl Databases {
         name: &Name,
         alias: &Name,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<(), DatabaseError> {
-        if !self.catalogue.delete_alias(name.as_str(), alias.as_str(), expected).await? {
+        if !self.catalogue.delete_alias(name.as_str(), alias.as_str(), expected, by).await? {
             return Err(DatabaseError::UnknownAlias { database: name.to_string(), alias: alias.to_string() });
         }
         self.registry.refresh().await

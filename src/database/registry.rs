@@ -6,7 +6,7 @@
 //! Versions asked for by number load on demand into a cache bounded in bytes, least recently used out first.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwap;
@@ -76,6 +76,9 @@ struct Failure {
 /// How long a version that didn't load is left alone before it is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(10);
 
+/// A TiB.
+const MAX_MIB: u32 = 1 << 20;
+
 #[derive(Default)]
 struct Snapshot {
     /// By database, then alias.
@@ -99,6 +102,9 @@ pub struct ServedState {
     pub reason: Option<String>,
 }
 
+/// Held by whoever loads a version.
+type LoadTurn = tokio::sync::Mutex<()>;
+
 /// See the module.
 pub struct Registry {
     catalogue: Arc<dyn Catalogue>,
@@ -108,8 +114,11 @@ pub struct Registry {
     holds: Option<glob::Pattern>,
     snapshot: ArcSwap<Snapshot>,
     refreshing: tokio::sync::Mutex<()>,
-    /// One version at a time is loaded by number: what many ask for at once is loaded once.
-    loading: tokio::sync::Mutex<()>,
+    /// What many ask for at once by number is loaded once; by database and version.
+    loading: Mutex<HashMap<(String, i64), Weak<LoadTurn>>>,
+    /// Room in MiB for versions being loaded by number: as much again as those that are kept may take.
+    loading_room: tokio::sync::Semaphore,
+    loading_room_mib: u32,
     by_number: Mutex<ByNumber>,
 }
 
@@ -129,6 +138,7 @@ impl Registry {
         memory_limit_bytes: u64,
         holds: Option<glob::Pattern>,
     ) -> Self {
+        let loading_room_mib = mib(memory_limit_bytes);
         Self {
             catalogue,
             blobs,
@@ -136,7 +146,9 @@ impl Registry {
             holds,
             snapshot: ArcSwap::default(),
             refreshing: tokio::sync::Mutex::default(),
-            loading: tokio::sync::Mutex::default(),
+            loading: Mutex::default(),
+            loading_room: tokio::sync::Semaphore::new(loading_room_mib as usize),
+            loading_room_mib,
             by_number: Mutex::new(ByNumber { versions: Vec::new(), limit_bytes: memory_limit_bytes }),
         }
     }
@@ -186,13 +198,31 @@ impl Registry {
     /// Drop versions loaded by number that another process deleted, alone or with their database.
     async fn forget_deleted(&self) -> Result<(), DatabaseError> {
         let loaded = self.cache().versions.clone();
-        for version in loaded {
-            let row = self.catalogue.version(&version.database, version.version).await?;
-            if row.is_none_or(|row| row.digest != version.digest) {
-                self.cache().versions.retain(|other| !Arc::ptr_eq(other, &version));
-            }
+        if loaded.is_empty() {
+            return Ok(());
         }
+        let key = |version: &LoadedVersion| (version.database.clone(), version.version);
+        let asked: Vec<_> = loaded.iter().map(|version| key(version)).collect();
+        let kept = self.catalogue.digests(&asked).await?;
+        let is_kept = |version: &LoadedVersion| {
+            let (database, number) = key(version);
+            kept.contains(&(database, number, version.digest.clone()))
+        };
+        let gone: Vec<_> = loaded.into_iter().filter(|version| !is_kept(version)).collect();
+        self.cache().versions.retain(|held| !gone.iter().any(|gone| Arc::ptr_eq(gone, held)));
         Ok(())
+    }
+
+    /// The turn to load this version by number.
+    fn turn(&self, database: &str, version: i64) -> Arc<LoadTurn> {
+        let mut loading = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
+        loading.retain(|_, turn| turn.strong_count() > 0);
+        let turn = loading.entry((database.to_owned(), version)).or_default();
+        turn.upgrade().unwrap_or_else(|| {
+            let new = Arc::default();
+            *turn = Arc::downgrade(&new);
+            new
+        })
     }
 
     /// `away` has the reason why the blob store can't be asked, once that is known: each further version would wait for
@@ -253,8 +283,8 @@ impl Registry {
             |reason: String| DatabaseError::Unloadable { database: database.into(), version, reason };
         let name = blob.parse().map_err(|error: BlobError| unloadable(chain(&error)))?;
         let bytes = match self.blobs.get(&name, u64::MAX).await {
-            Err(error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. })) => {
-                return Err(unloadable(chain(&error)));
+            Err(error) if error.is_damage() => {
+                return Err(unloadable(format!("{}; {}", chain(&error), self.remedy(database).await)));
             }
             other => other?,
         };
@@ -268,6 +298,18 @@ impl Registry {
         }
         let bytes = model.bytes();
         Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, bytes }))
+    }
+
+    /// What mends a version whose artifact is lost.
+    async fn remedy(&self, database: &str) -> String {
+        let exemplars = self.catalogue.database_counts(database).await.map_or(0, |counts| counts.exemplars);
+        match exemplars {
+            0 => "import it again, or restore a backup".into(),
+            kept => format!(
+                "train again ({kept} exemplars are still there: the same ones with the same options make it whole), or \
+                 restore a backup"
+            ),
+        }
     }
 
     /// Put a version into the cache of those asked for by number.
@@ -323,6 +365,10 @@ impl Registry {
     }
 }
 
+fn mib(bytes: u64) -> u32 {
+    u32::try_from(bytes.div_ceil(1 << 20)).unwrap_or(u32::MAX).clamp(1, MAX_MIB)
+}
+
 impl Databases {
     /// The version of that number, loaded if need be.
     ///
@@ -337,12 +383,16 @@ impl Databases {
         if let Some(loaded) = registry.by_number(database.as_str(), version) {
             return Ok(loaded);
         }
-        let _one_at_a_time = registry.loading.lock().await;
+        let turn = registry.turn(database.as_str(), version);
+        let _loaded_once = turn.lock().await;
         if let Some(loaded) = registry.by_number(database.as_str(), version) {
             return Ok(loaded);
         }
         self.get(database).await?;
         let row = self.version(database, version).await?;
+        // One that hangs takes its own room and holds up no other; one larger than all of it is loaded alone.
+        let room_mib = mib(row.bytes).min(registry.loading_room_mib);
+        let _room = registry.loading_room.acquire_many(room_mib).await;
         let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await?;
         // Deleted while it was loading, it must not come back.
         if self.version(database, version).await?.digest == row.digest {

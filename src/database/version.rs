@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::artifact::{self, Artifact};
 use super::{DatabaseError, Databases, ExemplarRow, Kind, Name, VersionRow};
 use crate::compute::{Compute, Lane};
-use crate::store::{BlobName, CatalogueError, NewVersion};
+use crate::store::{Actor, BlobName, CatalogueError, NewVersion};
+use crate::telemetry::chain;
 
 /// Grows with every change that makes training give other results for the same inputs.
 pub const ALGORITHM_REVISION: i64 = 2;
@@ -64,8 +65,13 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::UnknownVersion`] or [`DatabaseError::VersionInUse`].
-    pub async fn delete_version(&self, database: &Name, version: i64) -> Result<(), DatabaseError> {
-        match self.catalogue.delete_version(database.as_str(), version).await {
+    pub async fn delete_version(
+        &self,
+        database: &Name,
+        version: i64,
+        by: &Actor,
+    ) -> Result<(), DatabaseError> {
+        match self.catalogue.delete_version(database.as_str(), version, by).await {
             Ok(true) => {
                 self.registry().forget(database.as_str(), Some(version));
                 Ok(())
@@ -79,8 +85,19 @@ impl Databases {
     }
 
     /// The artifact file of a version.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Unloadable`] when it is damaged or gone.
     pub async fn artifact(&self, row: &VersionRow) -> Result<Bytes, DatabaseError> {
-        Ok(self.blobs.get(&row.blob.parse()?, row.bytes).await?)
+        let read = self.blobs.get(&row.blob.parse()?, row.bytes).await;
+        read.map_err(|source| match source.is_damage() {
+            true => DatabaseError::Unloadable {
+                database: row.database.clone(),
+                version: row.version,
+                reason: chain(&source),
+            },
+            false => source.into(),
+        })
     }
 
     /// Take in an artifact file: checked whole, then a new version; `true` when it is new. No alias moves.
@@ -92,6 +109,7 @@ impl Databases {
         database: &Name,
         bytes: Bytes,
         compute: &Compute,
+        by: &Actor,
     ) -> Result<(VersionRow, bool), DatabaseError> {
         let row = self.get(database).await?;
         let held = bytes.clone();
@@ -101,7 +119,7 @@ impl Databases {
             return Err(DatabaseError::KindConflict { database: database.to_string(), kind: row.kind });
         }
         let new = self.keep_artifact(database.as_str(), &artifact, bytes).await?;
-        Ok(self.catalogue.insert_version(&new).await?)
+        Ok(self.catalogue.insert_version(&new, by).await?)
     }
 
     /// Store an artifact's bytes and describe the version row that will name them.

@@ -2,16 +2,18 @@
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
+use super::access::Who;
 use super::databases::DatabasePath;
 use super::extract::{Json as JsonIn, Path};
 use super::pages::Page;
+use super::preconditions::Tags;
 use super::problem::{Code, Problem};
 use crate::database::{AliasExpectation, AliasRow, DatabaseError, Name};
 
@@ -50,8 +52,8 @@ impl From<AliasRow> for AliasBody {
     }
 }
 
-fn etag(revision: i64) -> HeaderValue {
-    HeaderValue::from_str(&format!("\"{revision}\"")).unwrap_or(HeaderValue::from_static("\"\""))
+fn etag(revision: i64) -> String {
+    format!("\"{revision}\"")
 }
 
 fn with_etag(status: StatusCode, row: AliasRow) -> Response {
@@ -65,30 +67,27 @@ async fn expected(
     path: &AliasPath,
     headers: &HeaderMap,
 ) -> Result<AliasExpectation, Problem> {
-    let wrong = |name: &str| {
-        Problem::new(Code::MalformedRequest, format!("{name} must be one ETag as GET of the alias gives it"))
-    };
-    if let Some(value) = headers.get(header::IF_NONE_MATCH) {
-        return if value == "*" { Ok(AliasExpectation::Absent) } else { Err(wrong("If-None-Match (or *)")) };
+    match Tags::of(headers, header::IF_NONE_MATCH)? {
+        Some(Tags::Any) => return Ok(AliasExpectation::Absent),
+        Some(Tags::Listed(_)) => {
+            let text = "If-None-Match must be *: the alias must not be there yet. If-Match takes its ETag";
+            return Err(Problem::new(Code::MalformedRequest, text));
+        }
+        None => {}
     }
-    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(AliasExpectation::Any) };
-    let text = value.to_str().map_err(|_| wrong("If-Match"))?;
-    if text == "*" {
-        return match service.databases.alias(&path.database, &path.alias).await {
-            Ok(row) => Ok(AliasExpectation::Revision(row.revision)),
-            Err(DatabaseError::UnknownAlias { .. }) => Err(DatabaseError::PreconditionFailed.into()),
-            Err(error) => Err(error.into()),
-        };
+    let Some(tags) = Tags::of(headers, header::IF_MATCH)? else { return Ok(AliasExpectation::Any) };
+    match service.databases.alias(&path.database, &path.alias).await {
+        // It may be another one once it is written: the revision that was seen is what is expected then.
+        Ok(row) if tags.hold(&etag(row.revision)) => Ok(AliasExpectation::Revision(row.revision)),
+        Ok(_) | Err(DatabaseError::UnknownAlias { .. }) => Err(DatabaseError::PreconditionFailed.into()),
+        Err(error) => Err(error.into()),
     }
-    let quoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
-    let revision = quoted.and_then(|text| text.parse().ok());
-    revision.map(AliasExpectation::Revision).ok_or(wrong("If-Match"))
 }
 
 /// Point an alias to a version. The answer comes when this process serves it.
 #[utoipa::path(
     put, operation_id = "put_alias",
-    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", security(("key" = ["train"])), params(AliasPath),
     request_body = NewAlias,
     responses(
         (status = 200, body = AliasBody, description = "Moved", headers(("ETag" = String))),
@@ -97,13 +96,15 @@ async fn expected(
 )]
 pub async fn put(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<AliasPath>,
     headers: HeaderMap,
     JsonIn(new): JsonIn<NewAlias>,
 ) -> Result<Response, Problem> {
     service.databases.get(&path.database).await?;
     let expected = expected(&service, &path, &headers).await?;
-    let set = service.databases.set_alias(&path.database, &path.alias, new.version, expected);
+    let actor = who.actor();
+    let set = service.databases.set_alias(&path.database, &path.alias, new.version, expected, &actor);
     let (row, created) = set.await?;
     Ok(with_etag(if created { StatusCode::CREATED } else { StatusCode::OK }, row))
 }
@@ -111,7 +112,7 @@ pub async fn put(
 /// One alias.
 #[utoipa::path(
     get, operation_id = "get_alias",
-    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", security(("key" = ["recognise"])), params(AliasPath),
     responses((status = 200, body = AliasBody, headers(("ETag" = String))))
 )]
 pub async fn get(State(service): State<Service>, Path(path): Path<AliasPath>) -> Result<Response, Problem> {
@@ -123,7 +124,7 @@ pub async fn get(State(service): State<Service>, Path(path): Path<AliasPath>) ->
 /// The aliases of a database, by name.
 #[utoipa::path(
     get, operation_id = "list_aliases",
-    path = "/v1/databases/{database}/aliases", tag = "databases", params(DatabasePath),
+    path = "/v1/databases/{database}/aliases", tag = "databases", security(("key" = ["recognise"])), params(DatabasePath),
     responses((status = 200, body = Page<AliasBody>))
 )]
 pub async fn list(
@@ -138,16 +139,17 @@ pub async fn list(
 /// Delete an alias; its version stays.
 #[utoipa::path(
     delete, operation_id = "delete_alias",
-    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", params(AliasPath),
+    path = "/v1/databases/{database}/aliases/{alias}", tag = "databases", security(("key" = ["train"])), params(AliasPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<AliasPath>,
     headers: HeaderMap,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
     let expected = expected(&service, &path, &headers).await?;
-    service.databases.delete_alias(&path.database, &path.alias, expected).await?;
+    service.databases.delete_alias(&path.database, &path.alias, expected, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -1,53 +1,74 @@
 //! Request bodies under their limits of size and time.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::body::Body;
 use axum::http::{HeaderMap, header};
 use bytes::Bytes;
 use http_body_util::{BodyExt, LengthLimitError, Limited};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::problem::{Code, Problem};
+use crate::compute::Party;
 
-/// Memory for bodies that are being read or worked on, all requests together.
+/// Memory for bodies that are being read or worked on, all requests together. A caller that is known by its key has at
+/// most half of it, so that none locks the others out.
 #[derive(Clone)]
 pub struct BodyBudget {
-    units: Arc<Semaphore>,
-    most: u32,
+    held: Arc<Mutex<HashMap<Party, u64>>>,
+    most_bytes: u64,
 }
-
-/// The budget counts units of this many bytes.
-const UNIT_BYTES: u64 = 64 << 10;
 
 /// A share of the budget, given back when dropped.
 #[derive(Debug)]
 pub struct BodyShare {
-    _permit: OwnedSemaphorePermit,
+    held: Arc<Mutex<HashMap<Party, u64>>>,
+    party: Party,
+    bytes: u64,
 }
+
+/// What a body takes at least: its buffers, and that there is one.
+const LEAST_BYTES: u64 = 64 << 10;
 
 impl BodyBudget {
     /// A budget of `bytes`.
     pub fn new(bytes: u64) -> Self {
-        let most = (bytes / UNIT_BYTES).clamp(1, 1 << 24) as u32;
-        Self { units: Arc::new(Semaphore::new(most as usize)), most }
+        Self { held: Arc::default(), most_bytes: bytes.max(LEAST_BYTES) }
     }
 
     /// Room for a body: for the length it declares, or for the most it may have.
     ///
     /// # Errors
-    /// 413 when it declares more than `max_bytes`, 503 when the bodies of others fill the budget.
+    /// 413 when it declares more than `max_bytes`, 503 when the bodies of others fill the budget, or those of the same
+    /// caller its part of it.
     pub fn admit(&self, headers: &HeaderMap, max_bytes: u64) -> Result<BodyShare, Problem> {
         refuse_declared(headers, max_bytes)?;
-        let bytes = declared(headers).unwrap_or(max_bytes);
-        let units = bytes.div_ceil(UNIT_BYTES).clamp(1, u64::from(self.most)) as u32;
-        match Arc::clone(&self.units).try_acquire_many_owned(units) {
-            Ok(permit) => Ok(BodyShare { _permit: permit }),
-            Err(_) => Err(Problem::new(
+        let bytes = declared(headers).unwrap_or(max_bytes).clamp(LEAST_BYTES, self.most_bytes);
+        let party = Party::current();
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        let (all, own) = (held.values().sum::<u64>(), held.get(&party).copied().unwrap_or(0));
+        // A body larger than half goes through alone.
+        let is_too_much = party != Party::Anyone && own > 0 && own + bytes > self.most_bytes / 2;
+        if all + bytes > self.most_bytes || is_too_much {
+            return Err(Problem::new(
                 Code::Overloaded,
                 "the bodies of other requests fill the memory set aside for them: try again a little later",
-            )),
+            ));
+        }
+        held.insert(party, own + bytes);
+        Ok(BodyShare { held: Arc::clone(&self.held), party, bytes })
+    }
+}
+
+impl Drop for BodyShare {
+    fn drop(&mut self) {
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(own) = held.get_mut(&self.party) {
+            *own -= self.bytes;
+            if *own == 0 {
+                held.remove(&self.party);
+            }
         }
     }
 }
@@ -112,7 +133,9 @@ pub fn too_slow(patience: Duration) -> Problem {
 
 #[cfg(test)]
 mod tests {
+
     use super::*;
+    use crate::compute::on_behalf_of;
 
     #[test]
     fn a_full_budget_refuses_and_gives_back_what_is_dropped() {
@@ -127,5 +150,22 @@ mod tests {
         let all = budget.admit(&HeaderMap::new(), 16 << 20).unwrap();
         assert!(budget.admit(&headers, 16 << 20).is_err());
         drop(all);
+    }
+
+    #[tokio::test]
+    async fn one_caller_has_half_of_the_budget_and_another_the_rest() {
+        let budget = BodyBudget::new(1 << 20);
+        let headers = HeaderMap::from_iter([(header::CONTENT_LENGTH, "200000".parse().unwrap())]);
+        let admit = |key: u64| {
+            let asked = async { budget.admit(&headers, 16 << 20) };
+            on_behalf_of(Party::Key(key), asked)
+        };
+        let held = [admit(1).await.unwrap(), admit(1).await.unwrap()];
+        assert_eq!(admit(1).await.err().unwrap().code, Code::Overloaded);
+        let other = [admit(2).await.unwrap(), admit(2).await.unwrap()];
+        drop(held);
+        assert!(admit(1).await.is_ok());
+        drop(other);
+        assert!(budget.held.lock().unwrap().is_empty());
     }
 }

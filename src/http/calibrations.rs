@@ -9,9 +9,10 @@ use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
+use super::access::Who;
 use super::depth_maps::decoded_pair;
 use super::extract::{Json as JsonIn, Path, Query};
-use super::optics::OpticsBody;
+use super::optics::{OpticsBody, told_mm};
 use super::options::DepthMethodWord;
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, FieldError, Problem};
@@ -174,9 +175,9 @@ impl From<Rig> for CalibrationBody {
             }),
             residual: residual
                 .map(|residual| ResidualBody { rms_mm: residual.rms_mm, max_mm: residual.max_mm }),
-            near_focus_mm: optics.near_focus_mm(),
-            far_focus_mm: optics.far_focus_mm(),
-            range_mm: optics.range_mm(),
+            near_focus_mm: told_mm(optics.near_focus_mm()),
+            far_focus_mm: told_mm(optics.far_focus_mm()),
+            range_mm: told_mm(optics.range_mm()),
             largest_blur_px: optics.largest_blur_px(),
             optics: (&optics).into(),
             stated_optics: stated.as_ref().map(OpticsBody::from),
@@ -191,7 +192,7 @@ impl From<Rig> for CalibrationBody {
 /// before: registration, brightness and table.
 #[utoipa::path(
     put, operation_id = "put_calibration",
-    path = "/v1/calibrations/{name}", tag = "depth", params(CalibrationPath), request_body = OpticsBody,
+    path = "/v1/calibrations/{name}", tag = "depth", security(("key" = ["train"])), params(CalibrationPath), request_body = OpticsBody,
     responses(
         (status = 201, body = CalibrationBody, description = "Created"),
         (status = 200, body = CalibrationBody, description = "It was there; with another optics, replaced"),
@@ -199,18 +200,19 @@ impl From<Rig> for CalibrationBody {
 )]
 pub async fn put(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<CalibrationPath>,
     JsonIn(body): JsonIn<Map<String, Value>>,
 ) -> Result<(StatusCode, Json<CalibrationBody>), Problem> {
     let optics = OpticsBody::read("", &body).map_err(Problem::fields)?;
-    let (rig, created) = service.databases.put_rig(&path.name, &optics).await?;
+    let (rig, created) = service.databases.put_rig(&path.name, &optics, &who.actor()).await?;
     let status = if created { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(rig.into())))
 }
 
 /// Calibrations by name.
 #[utoipa::path(
-    get, operation_id = "list_calibrations", path = "/v1/calibrations", tag = "depth", params(PageQuery),
+    get, operation_id = "list_calibrations", path = "/v1/calibrations", tag = "depth", security(("key" = ["recognise"])), params(PageQuery),
     responses((status = 200, body = Page<CalibrationBody>))
 )]
 pub async fn list(
@@ -225,7 +227,7 @@ pub async fn list(
 /// One calibration.
 #[utoipa::path(
     get, operation_id = "get_calibration",
-    path = "/v1/calibrations/{name}", tag = "depth", params(CalibrationPath),
+    path = "/v1/calibrations/{name}", tag = "depth", security(("key" = ["recognise"])), params(CalibrationPath),
     responses((status = 200, body = CalibrationBody))
 )]
 pub async fn get(
@@ -238,14 +240,15 @@ pub async fn get(
 /// Delete a calibration; its unfinished sweeps are cancelled.
 #[utoipa::path(
     delete, operation_id = "delete_calibration",
-    path = "/v1/calibrations/{name}", tag = "depth", params(CalibrationPath),
+    path = "/v1/calibrations/{name}", tag = "depth", security(("key" = ["train"])), params(CalibrationPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<CalibrationPath>,
 ) -> Result<StatusCode, Problem> {
-    service.databases.delete_rig(&path.name).await?;
+    service.databases.delete_rig(&path.name, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -277,12 +280,13 @@ const REGISTRATION_PARTS: [&str; 6] = ["near", "far", "dark_near", "dark_far", "
 /// dropped: it was measured with another registration.
 #[utoipa::path(
     post, operation_id = "register_calibration",
-    path = "/v1/calibrations/{name}/registration", tag = "depth", params(CalibrationPath),
+    path = "/v1/calibrations/{name}/registration", tag = "depth", security(("key" = ["train"])), params(CalibrationPath),
     request_body(content = RegistrationForm, content_type = "multipart/form-data"),
     responses((status = 200, body = CalibrationBody))
 )]
 pub async fn register(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<CalibrationPath>,
     request: Request,
 ) -> Result<Json<CalibrationBody>, Problem> {
@@ -317,7 +321,7 @@ pub async fn register(
         Ok::<_, Problem>(calibration.registered(&target(&pictures, &limits)?)?)
     };
     let (registered, _) = service.compute.run(Lane::Upkeep, memory, work).await?;
-    Ok(Json(service.databases.update_rig(&rig, &registered?).await?.into()))
+    Ok(Json(service.databases.update_rig(&rig, &registered?, &who.actor()).await?.into()))
 }
 
 /// The target from its pictures, the first two its own: runs on a computing thread.

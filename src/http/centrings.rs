@@ -6,6 +6,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Service;
+use super::access::{Who, reach};
 use super::exemplars::ImageForm;
 use super::extract::Path;
 use super::problem::{Code, Problem};
@@ -42,7 +43,7 @@ pub struct CentringBody {
 /// ask again until `centred`.
 #[utoipa::path(
     post, operation_id = "centre",
-    path = "/v1/workcells/{name}/centrings", tag = "workcell", params(WorkcellPath),
+    path = "/v1/workcells/{name}/centrings", tag = "workcell", security(("key" = ["recognise"])), params(WorkcellPath),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
@@ -54,11 +55,13 @@ pub struct CentringBody {
 )]
 pub async fn post(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<WorkcellPath>,
     RobotHeader(header): RobotHeader,
     OnePicture(picture): OnePicture,
 ) -> Result<Json<CentringBody>, Problem> {
     let kept = service.databases.workcell(&path.name).await?;
+    reach(&who.caller, kept.setup.database.as_str())?;
     let (limits, memory, workcell) = (service.decode, picture.working_bytes, kept.setup.workcell);
     let work = move || {
         let mut stages = Stages::begin();

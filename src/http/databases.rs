@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
+use super::access::Who;
 use super::aliases::AliasBody;
 use super::extract::{Json as JsonIn, Path, Query};
 use super::options::{self, OptionsBody};
@@ -123,7 +124,7 @@ pub fn read_options(row: &DatabaseRow) -> Result<Options, Problem> {
 /// Create a database, or change the options of the one of that name.
 #[utoipa::path(
     put, operation_id = "put_database",
-    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath), request_body = NewDatabase,
+    path = "/v1/databases/{database}", tag = "databases", security(("key" = ["train"])), params(DatabasePath), request_body = NewDatabase,
     responses(
         (status = 201, body = DatabaseBody, description = "Created"),
         (status = 200, body = DatabaseBody, description = "It was there"),
@@ -131,12 +132,14 @@ pub fn read_options(row: &DatabaseRow) -> Result<Options, Problem> {
 )]
 pub async fn put(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<DatabasePath>,
     JsonIn(new): JsonIn<NewDatabase>,
 ) -> Result<(StatusCode, Json<DatabaseBody>), Problem> {
     let kind = new.kind.into();
     let options = new.options.map(|body| options::over(Options::default_of(kind), &body)).transpose()?;
-    let (row, created) = service.databases.create(&path.database, kind, options.as_ref()).await?;
+    let (row, created) =
+        service.databases.create(&path.database, kind, options.as_ref(), &who.actor()).await?;
     let status = if created { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(row.try_into()?)))
 }
@@ -144,24 +147,27 @@ pub async fn put(
 /// Databases by name.
 #[utoipa::path(
     get, operation_id = "list_databases",
-    path = "/v1/databases", tag = "databases", params(PageQuery),
+    path = "/v1/databases", tag = "databases", security(("key" = ["recognise"])), params(PageQuery),
     responses((status = 200, body = Page<DatabaseBody>))
 )]
 pub async fn list(
     State(service): State<Service>,
+    who: Who,
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<DatabaseBody>>, Problem> {
     let limit = pages::limit(page.limit)?;
     let rows = service.databases.list(page.cursor.as_deref(), limit).await?;
     let page = Page::of(rows, limit, |row| row.name.clone(), DatabaseBody::try_from);
-    let items = page.items.into_iter().collect::<Result<_, _>>()?;
+    let reached =
+        |body: &Result<DatabaseBody, _>| body.as_ref().map_or(true, |body| who.caller.reaches(&body.name));
+    let items = page.items.into_iter().filter(reached).collect::<Result<_, _>>()?;
     Ok(Json(Page { items, next_cursor: page.next_cursor }))
 }
 
 /// One database with counts, aliases and current version.
 #[utoipa::path(
     get, operation_id = "get_database",
-    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
+    path = "/v1/databases/{database}", tag = "databases", security(("key" = ["recognise"])), params(DatabasePath),
     responses((status = 200, body = DatabaseDetail))
 )]
 pub async fn get(
@@ -184,13 +190,14 @@ pub async fn get(
 /// Delete a database with all it holds.
 #[utoipa::path(
     delete, operation_id = "delete_database",
-    path = "/v1/databases/{database}", tag = "databases", params(DatabasePath),
+    path = "/v1/databases/{database}", tag = "databases", security(("key" = ["admin"])), params(DatabasePath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<DatabasePath>,
 ) -> Result<StatusCode, Problem> {
-    service.databases.delete(&path.database).await?;
+    service.databases.delete(&path.database, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

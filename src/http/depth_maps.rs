@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::extract::Query;
-use super::optics::OpticsBody;
+use super::optics::{OpticsBody, told_mm};
 use super::options::{DepthMethodWord, DepthOptionsBody, WindowBody};
 use super::problem::{FieldError, Problem};
 use super::recognitions::ms;
@@ -280,7 +280,7 @@ pub fn decoded_pair(
 /// PNG (distance = grey level × `X-Depth-Scale-Mm`, 0 = unknown); an array for NumPy; a point cloud in metres; or, for
 /// people, a picture in false colours (near is red). Pictures must be linear in light.
 #[utoipa::path(
-    post, operation_id = "measure_depth", path = "/v1/depth-maps", tag = "depth", params(PlanesQuery),
+    post, operation_id = "measure_depth", path = "/v1/depth-maps", tag = "depth", security(("key" = ["recognise"])), params(PlanesQuery),
     request_body(content = DepthForm, content_type = "multipart/form-data"),
     responses((
         status = 200, description = "The depth map",
@@ -362,9 +362,9 @@ impl Service {
             calibration: name,
             width_px: size_px.0,
             height_px: size_px.1,
-            near_focus_mm: summary.near_focus_mm,
-            far_focus_mm: summary.far_focus_mm,
-            range_mm: summary.far_focus_mm - summary.near_focus_mm,
+            near_focus_mm: told_mm(summary.near_focus_mm),
+            far_focus_mm: told_mm(summary.far_focus_mm),
+            range_mm: told_mm(summary.far_focus_mm - summary.near_focus_mm),
             largest_blur_px: optics.largest_blur_px(),
             coverage: summary.coverage,
             depth_mm: summary.depth.map(|depth| DepthSpanBody {
@@ -439,8 +439,8 @@ impl File {
     fn into_response(self, summary: &Summary) -> Response {
         let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.word()).collect();
         let said = [
-            ("x-near-focus-mm", summary.near_focus_mm.to_string()),
-            ("x-far-focus-mm", summary.far_focus_mm.to_string()),
+            ("x-near-focus-mm", told_mm(summary.near_focus_mm).to_string()),
+            ("x-far-focus-mm", told_mm(summary.far_focus_mm).to_string()),
             ("x-coverage", summary.coverage.to_string()),
             ("x-warnings", warnings.join(",")),
         ];

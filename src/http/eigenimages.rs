@@ -56,7 +56,7 @@ impl Eigenimage {
 /// The mean appearance of an object database, or an eigenimage of its universal eigenspace: zero is mid-gray.
 #[utoipa::path(
     get, operation_id = "get_eigenimage",
-    path = "/v1/databases/{database}/versions/{version}/eigenimages/{image}", tag = "databases",
+    path = "/v1/databases/{database}/versions/{version}/eigenimages/{image}", tag = "databases", security(("key" = ["recognise"])),
     params(EigenimagePath),
     responses(
         (status = 200, description = "The picture", body = Vec<u8>, content_type = "image/png",

@@ -101,7 +101,7 @@ impl BatchBody {
 /// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose).
 #[utoipa::path(
     post, operation_id = "add_exemplar_batch",
-    path = "/v1/databases/{database}/exemplars:batch", tag = "databases", params(DatabasePath),
+    path = "/v1/databases/{database}/exemplars:batch", tag = "databases", security(("key" = ["contribute"])), params(DatabasePath),
     request_body(content((BatchForm = "multipart/form-data"), (Vec<u8> = "application/x-tar"))),
     responses((status = 200, body = BatchBody))
 )]

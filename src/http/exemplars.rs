@@ -10,6 +10,7 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::Service;
+use super::access::Who;
 use super::databases::DatabasePath;
 use super::extract::{Path, Query};
 use super::pages::{self, Page};
@@ -52,6 +53,10 @@ pub struct ExemplarQuery {
     pub label: Option<String>,
     /// Those that this robot sent.
     pub robot_id: Option<String>,
+    /// Those received at this moment or later, by the service's clock.
+    pub since: Option<Timestamp>,
+    /// Those received before this moment.
+    pub before: Option<Timestamp>,
     /// Most items to give.
     #[param(minimum = 1, maximum = 1000, default = 100)]
     pub limit: Option<u32>,
@@ -68,6 +73,10 @@ pub struct DeleteQuery {
     pub label: Option<String>,
     /// Those that this robot sent.
     pub robot_id: Option<String>,
+    /// Those received at this moment or later, by the service's clock.
+    pub since: Option<Timestamp>,
+    /// Those received before this moment.
+    pub before: Option<Timestamp>,
 }
 
 /// A training image.
@@ -140,11 +149,11 @@ impl Service {
 /// Add a training image: the raw picture, or a form with a part `image`. The same again is the same exemplar.
 #[utoipa::path(
     post, operation_id = "add_exemplar",
-    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, LabelQuery),
+    path = "/v1/databases/{database}/exemplars", tag = "databases", security(("key" = ["contribute"])), params(DatabasePath, LabelQuery),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
-            (String = "image/jpeg", example = "binary"), (String = "image/png"),
+            (String = "image/jpeg"), (String = "image/png"),
             (String = "image/x-portable-graymap"), (String = "image/x-portable-pixmap"),
             (ImageForm = "multipart/form-data")
         )
@@ -180,7 +189,7 @@ pub struct ImageForm {
 /// Training images by id.
 #[utoipa::path(
     get, operation_id = "list_exemplars",
-    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, ExemplarQuery),
+    path = "/v1/databases/{database}/exemplars", tag = "databases", security(("key" = ["contribute"])), params(DatabasePath, ExemplarQuery),
     responses((status = 200, body = Page<ExemplarBody>))
 )]
 pub async fn list(
@@ -191,7 +200,8 @@ pub async fn list(
     let limit = pages::limit(query.limit)?;
     let after = pages::after(query.cursor.as_deref())?;
     service.databases.get(&path.database).await?;
-    let filter = ExemplarFilter { label: query.label, robot_id: query.robot_id };
+    let ExemplarQuery { label, robot_id, since, before, .. } = query;
+    let filter = ExemplarFilter { label, robot_id, since, before };
     let rows = service.databases.exemplars(&path.database, &filter, after, limit).await?;
     Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), ExemplarBody::from)))
 }
@@ -199,7 +209,7 @@ pub async fn list(
 /// One training image.
 #[utoipa::path(
     get, operation_id = "get_exemplar",
-    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", security(("key" = ["contribute"])), params(ExemplarPath),
     responses((status = 200, body = ExemplarBody))
 )]
 pub async fn get(
@@ -213,7 +223,7 @@ pub async fn get(
 /// The picture of a training image, byte for byte as it was sent.
 #[utoipa::path(
     get, operation_id = "get_exemplar_image",
-    path = "/v1/databases/{database}/exemplars/{id}/image", tag = "databases", params(ExemplarPath),
+    path = "/v1/databases/{database}/exemplars/{id}/image", tag = "databases", security(("key" = ["contribute"])), params(ExemplarPath),
     responses((status = 200, description = "The picture", content(
         (Vec<u8> = "image/jpeg"), (Vec<u8> = "image/png"), (Vec<u8> = "image/x-portable-anymap")
     )))
@@ -231,31 +241,35 @@ pub async fn image(
 /// Delete one training image. Versions trained with it stay as they are.
 #[utoipa::path(
     delete, operation_id = "delete_exemplar",
-    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", params(ExemplarPath),
+    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", security(("key" = ["train"])), params(ExemplarPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<ExemplarPath>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    service.databases.delete_exemplar(&path.database, path.id).await?;
+    service.databases.delete_exemplar(&path.database, path.id, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Delete the training images of a label, of a robot, or of both; with neither, nothing.
+/// Delete the training images that match all that is given: a label, a robot, a span of time; with nothing given, none
+/// and 400. Versions trained with them stay as they are: train anew, then delete the older versions.
 #[utoipa::path(
     delete, operation_id = "delete_exemplars",
-    path = "/v1/databases/{database}/exemplars", tag = "databases", params(DatabasePath, DeleteQuery),
+    path = "/v1/databases/{database}/exemplars", tag = "databases", security(("key" = ["train"])), params(DatabasePath, DeleteQuery),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete_matching(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<DatabasePath>,
     Query(query): Query<DeleteQuery>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    let filter = ExemplarFilter { label: query.label, robot_id: query.robot_id };
-    service.databases.delete_exemplars(&path.database, &filter).await?;
+    let DeleteQuery { label, robot_id, since, before } = query;
+    let filter = ExemplarFilter { label, robot_id, since, before };
+    service.databases.delete_exemplars(&path.database, &filter, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -42,6 +42,11 @@ impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, _service: &Service) -> Result<Self, Problem> {
         let query = parts.uri.query().unwrap_or_default();
+        // Not every catalogue can keep or look for them, and nothing that is called by a query has one in its name.
+        let mut given = form_urlencoded::parse(query.as_bytes());
+        if let Some((name, _)) = given.find(|(_, value)| value.contains(char::is_control)) {
+            return Err(Problem::field(format!("#{name}"), "holds a control character"));
+        }
         let pairs = form_urlencoded::parse(query.as_bytes());
         serde_path_to_error::deserialize(serde_urlencoded::Deserializer::new(pairs)).map(Self).map_err(
             |error| {

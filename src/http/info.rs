@@ -12,6 +12,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Service;
+use super::access::Who;
 use crate::compute::Lane;
 use crate::database::registry::ServedState;
 use crate::database::{JobState, Process};
@@ -24,7 +25,7 @@ pub struct Alive {
 }
 
 /// 200 while the process runs.
-#[utoipa::path(get, path = "/livez", tag = "service", responses((status = 200, body = Alive)))]
+#[utoipa::path(get, path = "/livez", tag = "service", security(()), responses((status = 200, body = Alive)))]
 pub async fn livez() -> Json<Alive> {
     Json(Alive { status: "alive" })
 }
@@ -80,7 +81,7 @@ const STORE_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Whether the service answers recognitions; 503 only while starting or shutting down.
 #[utoipa::path(
-    get, path = "/readyz", tag = "service",
+    get, path = "/readyz", tag = "service", security(()),
     responses((status = 200, body = Ready), (status = 503, body = Ready, description = "Starting or shutting down"))
 )]
 pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>) {
@@ -95,7 +96,8 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
     let well = catalogue == StoreStatus::Ok
         && blobs == StoreStatus::Ok
         && databases.iter().all(|database| database.state == ReadyStatus::Ready);
-    let (code, status) = match (service.ready.load(Ordering::Relaxed), well) {
+    let is_ready = service.ready.load(Ordering::Relaxed) && !*service.shutdown.borrow();
+    let (code, status) = match (is_ready, well) {
         (false, _) => (StatusCode::SERVICE_UNAVAILABLE, ReadyStatus::Starting),
         (true, true) => (StatusCode::OK, ReadyStatus::Ready),
         (true, false) => (StatusCode::OK, ReadyStatus::Degraded),
@@ -105,7 +107,7 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
 
 /// Metrics in Prometheus' text format.
 #[utoipa::path(
-    get, path = "/metrics", tag = "service",
+    get, path = "/metrics", tag = "service", security(("key" = ["recognise"])),
     responses((status = 200, body = String, content_type = "text/plain; version=0.0.4"))
 )]
 pub async fn metrics(State(service): State<Service>) -> Response {
@@ -190,13 +192,16 @@ pub struct LimitsBody {
     max_waiting: u64,
     threads: u64,
     request_timeout_ms: u64,
+    max_connections: u64,
     header_timeout_ms: u64,
     body_timeout_ms: u64,
+    idle_timeout_ms: u64,
+    write_timeout_ms: u64,
 }
 
 /// What this service is and what it takes.
-#[utoipa::path(get, path = "/v1/info", tag = "service", responses((status = 200, body = Info)))]
-pub async fn info(State(service): State<Service>) -> Json<Info> {
+#[utoipa::path(get, path = "/v1/info", tag = "service", security(("key" = ["recognise"])), responses((status = 200, body = Info)))]
+pub async fn info(State(service): State<Service>, who: Who) -> Json<Info> {
     let limits = &service.limits;
     let threads = service.compute.threads(Lane::Recognition);
     let ms = |duration: Duration| duration.as_millis() as u64;
@@ -223,13 +228,23 @@ pub async fn info(State(service): State<Service>) -> Json<Info> {
             max_waiting: (limits.waiting_per_thread * threads) as u64,
             threads: threads as u64,
             request_timeout_ms: ms(limits.request_timeout),
+            max_connections: limits.max_connections as u64,
             header_timeout_ms: ms(limits.header_timeout),
             body_timeout_ms: ms(limits.body_timeout),
+            idle_timeout_ms: ms(limits.idle_timeout),
+            write_timeout_ms: ms(limits.write_timeout),
         },
         formats: vec!["image/jpeg", "image/png", "image/x-portable-graymap", "image/x-portable-pixmap"],
         started_at: service.started_at,
         worker: service.worker.to_string(),
         role: service.role.as_str(),
-        processes: std::iter::once(service.process()).chain(others).map(ProcessBody::from).collect(),
+        processes: std::iter::once(service.process())
+            .chain(others)
+            .map(ProcessBody::from)
+            .map(|mut process| {
+                process.databases.retain(|database| who.caller.reaches(&database.database));
+                process
+            })
+            .collect(),
     })
 }

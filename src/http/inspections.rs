@@ -9,6 +9,7 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use super::access::{Who, reach};
 use super::depth_maps::decoded_pair;
 use super::extract::{Path, Query};
 use super::problem::{Code, FieldError, Problem};
@@ -346,7 +347,7 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
 /// the picture with the parts drawn on it; the headers `X-Version` and `X-Digest` say what answered.
 #[utoipa::path(
     post, operation_id = "inspect",
-    path = "/v1/workcells/{name}/inspections", tag = "workcell", params(WorkcellPath, InspectionQuery),
+    path = "/v1/workcells/{name}/inspections", tag = "workcell", security(("key" = ["recognise"])), params(WorkcellPath, InspectionQuery),
     request_body(content = InspectionForm, content_type = "multipart/form-data"),
     responses((status = 200, description = "What stands on the table", content(
         (InspectionBody = "application/json"), (Vec<u8> = "image/png")
@@ -354,6 +355,7 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
 )]
 pub async fn post(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<WorkcellPath>,
     Query(query): Query<InspectionQuery>,
     headers: HeaderMap,
@@ -361,7 +363,7 @@ pub async fn post(
     request: Request,
 ) -> Result<Response, Problem> {
     let is_drawn = accept::choose(&headers, &["application/json", "image/png"])? == "image/png";
-    let mut response = service.inspection(&path.name, &query, is_drawn, header, request).await?;
+    let mut response = service.inspection(&who, &path.name, &query, is_drawn, header, request).await?;
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
     Ok(response)
 }
@@ -369,6 +371,7 @@ pub async fn post(
 impl Service {
     async fn inspection(
         &self,
+        who: &Who,
         name: &Name,
         query: &InspectionQuery,
         is_drawn: bool,
@@ -377,6 +380,7 @@ impl Service {
     ) -> Result<Response, Problem> {
         let kept = self.databases.workcell(name).await?;
         let setup = kept.setup;
+        reach(&who.caller, setup.database.as_str())?;
         let version = self.version_for(&setup.database, query.version, query.alias.as_ref()).await?;
         let mut parts = KnownParts::of(request, self, &["overview", "near", "far"], &[]).await?;
         let wrong = pair_faults(&parts, query, setup.calibration.is_some());

@@ -15,6 +15,7 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::Service;
+use super::access::{Who, reach};
 use super::extract::{Path, Query};
 use super::pages::{self, Page};
 use super::problem::{Problem, ProblemBody};
@@ -197,10 +198,11 @@ pub struct JobQuery {
 /// Jobs, the newest first.
 #[utoipa::path(
     get, operation_id = "list_jobs",
-    path = "/v1/jobs", tag = "jobs", params(JobQuery), responses((status = 200, body = Page<JobBody>))
+    path = "/v1/jobs", tag = "jobs", security(("key" = ["recognise"])), params(JobQuery), responses((status = 200, body = Page<JobBody>))
 )]
 pub async fn list(
     State(service): State<Service>,
+    who: Who,
     Query(query): Query<JobQuery>,
 ) -> Result<Json<Page<JobBody>>, Problem> {
     let limit = pages::limit(query.limit)?;
@@ -208,66 +210,107 @@ pub async fn list(
     let JobQuery { database, calibration, state, .. } = query;
     let filter = JobFilter { database, calibration, state: state.map(JobState::from) };
     let rows = service.jobs.list(&filter, after, limit).await?;
-    Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), JobBody::from)))
+    let mut page = Page::of(rows, limit, |row| row.id.to_string(), JobBody::from);
+    page.items.retain(|job| job.database.as_deref().is_none_or(|database| who.caller.reaches(database)));
+    Ok(Json(page))
 }
 
 /// One job.
 #[utoipa::path(
     get, operation_id = "get_job",
-    path = "/v1/jobs/{id}", tag = "jobs", params(JobPath), responses((status = 200, body = JobBody))
+    path = "/v1/jobs/{id}", tag = "jobs", security(("key" = ["recognise"])), params(JobPath), responses((status = 200, body = JobBody))
 )]
 pub async fn get(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<JobPath>,
 ) -> Result<Json<JobBody>, Problem> {
-    Ok(Json(service.jobs.get(path.id).await?.into()))
+    Ok(Json(service.reached_job(&who, path.id).await?.into()))
 }
 
 /// Cancel a job: a waiting one at once, a running one at its next step.
 #[utoipa::path(
     delete, operation_id = "cancel_job",
-    path = "/v1/jobs/{id}", tag = "jobs", params(JobPath),
+    path = "/v1/jobs/{id}", tag = "jobs", security(("key" = ["train"])), params(JobPath),
     responses((status = 202, body = JobBody, description = "It will end"))
 )]
 pub async fn cancel(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<JobPath>,
 ) -> Result<(StatusCode, Json<JobBody>), Problem> {
-    Ok((StatusCode::ACCEPTED, Json(service.jobs.cancel(path.id).await?.into())))
+    service.reached_job(&who, path.id).await?;
+    Ok((StatusCode::ACCEPTED, Json(service.jobs.cancel(path.id, &who.actor()).await?.into())))
+}
+
+/// What a client has seen of a job's events.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Header)]
+#[expect(dead_code, reason = "describes the header for the OpenAPI document")]
+pub struct LastEvent {
+    /// Number of the last event seen.
+    #[param(rename = "Last-Event-ID", required = false, minimum = 0)]
+    last_event_id: i64,
+}
+
+/// One event of a job's life.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the event for the OpenAPI document")]
+pub struct JobEvent {
+    /// Its number.
+    id: String,
+    /// The job as JSON.
+    #[schema(content_media_type = "application/json")]
+    data: String,
 }
 
 /// A job's life as server-sent events: each the job's body, from its first state on. `id` counts up, `Last-Event-ID`
 /// resumes after it, and the stream ends after the last state.
 #[utoipa::path(
     get, operation_id = "follow_job",
-    path = "/v1/jobs/{id}/events", tag = "jobs",
-    params(JobPath, ("Last-Event-ID" = Option<i64>, Header, description = "Number of the last event seen")),
+    path = "/v1/jobs/{id}/events", tag = "jobs", security(("key" = ["recognise"])),
+    params(JobPath, LastEvent),
     responses(
-        (status = 200, description = "Events whose data is a job", body = String, content_type = "text/event-stream"),
+        (status = 200, description = "Events whose data is a job", body = JobEvent, content_type = "text/event-stream"),
         (status = 204, description = "The job has ended and you have seen its last event")
     )
 )]
 pub async fn events(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<JobPath>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let after = match headers.get("last-event-id") {
         None => 0,
         Some(value) => {
-            value.to_str().ok().and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
+            let number = value.to_str().ok().and_then(|text| text.trim().parse().ok());
+            number.filter(|number| *number >= 0).ok_or_else(|| {
                 Problem::field("#Last-Event-ID", "must be the number of an event of this job")
             })?
         }
     };
-    if service.jobs.get(path.id).await?.state.is_terminal()
+    if service.reached_job(&who, path.id).await?.state.is_terminal()
         && service.jobs.events_after(path.id, after).await?.is_empty()
     {
         // What tells a browser's EventSource not to come back.
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
-    Ok(Sse::new(follow(service, path.id, after)).keep_alive(keep_alive).into_response())
+    let keyring = service.keyring.clone();
+    // Who may not ask any more isn't told any more.
+    let revoked = async move { keyring.revoked(&who.caller).await };
+    let events = follow(service, path.id, after).take_until(Box::pin(revoked));
+    Ok(Sse::new(events).keep_alive(keep_alive).into_response())
+}
+
+impl Service {
+    /// The job, if the caller's key reaches its database.
+    async fn reached_job(&self, who: &Who, id: Uuid) -> Result<JobRow, Problem> {
+        let job = self.jobs.get(id).await?;
+        job.database.as_deref().map_or(Ok(()), |database| reach(&who.caller, database))?;
+        Ok(job)
+    }
 }
 
 /// The events of a job after number `after`, up to its last, or to shutdown.

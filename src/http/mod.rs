@@ -4,7 +4,9 @@
 //! handlers; renaming a field inside the house doesn't change them.
 
 pub mod accept;
+mod access;
 mod aliases;
+mod audit;
 pub mod body;
 mod calibrations;
 mod centrings;
@@ -18,10 +20,12 @@ mod extract;
 mod info;
 mod inspections;
 mod jobs;
+mod keys;
 pub mod openapi;
 mod optics;
 mod options;
 mod pages;
+mod preconditions;
 pub mod problem;
 mod recognitions;
 mod regions;
@@ -53,6 +57,7 @@ use utoipa_swagger_ui::SwaggerUi;
 use self::body::BodyBudget;
 pub use self::estimators::Estimators;
 pub use self::tracks::Tracks;
+use crate::access::Keyring;
 use crate::compute::Compute;
 use crate::config::{Limits, Role};
 use crate::database::{Databases, Process};
@@ -63,6 +68,9 @@ use crate::telemetry::Metrics;
 /// What the handlers share; cheap to clone.
 #[derive(Clone)]
 pub struct Service {
+    pub keyring: Keyring,
+    /// Whether the operator lets everybody in where no key is asked for.
+    pub insecure: bool,
     pub databases: Databases,
     pub jobs: Jobs,
     pub compute: Compute,
@@ -134,12 +142,16 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(jobs::list))
         .routes(routes!(jobs::get, jobs::cancel))
         .routes(routes!(jobs::events))
+        .routes(routes!(keys::post, keys::list))
+        .routes(routes!(keys::get, keys::delete))
+        .routes(routes!(audit::list))
 }
 
 /// The whole service as a router.
 pub fn router(service: Service) -> Router {
     let (api, document) = routes().split_for_parts();
     let document = openapi::finished(document);
+    let needs = Arc::new(access::Needs::of(&document));
     let no_sniffing = HeaderValue::from_static("nosniff");
     let no_store = HeaderValue::from_static("no-store");
     Router::new()
@@ -149,6 +161,7 @@ pub fn router(service: Service) -> Router {
         .method_not_allowed_fallback(rim::method_not_allowed)
         // Bodies have limits of their own, see `body`.
         .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn_with_state((service.clone(), needs), access::ask))
         .layer(middleware::from_fn_with_state(service.clone(), rim::rim))
         // Outside the rim, so that answers of its own have them too.
         .layer(SetResponseHeaderLayer::if_not_present(X_CONTENT_TYPE_OPTIONS, no_sniffing))

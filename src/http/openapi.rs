@@ -5,7 +5,7 @@ use utoipa::openapi::path::Operation;
 use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder};
 
 use super::problem::ProblemBody;
-use super::routes;
+use super::{access, routes};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -25,6 +25,7 @@ use super::routes;
         (name = "depth", description = "How far away everything is, from a near- and a far-focused picture"),
         (name = "workcell", description = "Find every part on a table, say what it is, and where to reach"),
         (name = "jobs", description = "Long work, watched and cancelled"),
+        (name = "access", description = "Who may call, and who changed what"),
     )
 )]
 struct Preamble;
@@ -34,8 +35,9 @@ pub(super) fn preamble() -> utoipa::openapi::OpenApi {
     Preamble::openapi()
 }
 
-/// The document with the problem document as the answer for every status that an operation doesn't name.
+/// The document with how a key is sent, and the problem document as the answer for every status that an operation doesn't name.
 pub(super) fn finished(mut document: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
+    access::describe(&mut document);
     let problem = ResponseBuilder::new()
         .description("A problem document: what went wrong and what to do")
         .content(

@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::access::AccessError;
 use crate::compute::ComputeError;
 use crate::database::DatabaseError;
 use crate::database::artifact::ArtifactError;
@@ -15,7 +16,7 @@ use crate::depth::{EstimateError, EstimatorError, PairError, RegistrationError, 
 use crate::imaging::DecodeError;
 use crate::jobs::{JobError, sweep_problem};
 use crate::recognition::objects::SizeMismatch;
-use crate::store::{BlobError, CatalogueError};
+use crate::store::{BlobError, CatalogueError, outage};
 use crate::telemetry::chain;
 
 macro_rules! codes {
@@ -45,6 +46,8 @@ codes! {
     MissingFilter "missing_filter" BAD_REQUEST "The call must say which ones it means",
     EmptyImage "empty_image" BAD_REQUEST "The request holds no picture",
     CorruptImage "corrupt_image" BAD_REQUEST "The picture is damaged",
+    KeyRequired "key_required" UNAUTHORIZED "The call needs a key in force",
+    NotAllowed "not_allowed" FORBIDDEN "The key may not do that",
     UnknownRoute "unknown_route" NOT_FOUND "There is nothing at this address",
     UnknownDatabase "unknown_database" NOT_FOUND "There is no such database",
     UnknownExemplar "unknown_exemplar" NOT_FOUND "There is no such exemplar",
@@ -55,6 +58,7 @@ codes! {
     UnknownWorkcell "unknown_workcell" NOT_FOUND "There is no such workcell",
     UnknownJob "unknown_job" NOT_FOUND "There is no such job",
     UnknownTrack "unknown_track" NOT_FOUND "There is no such track",
+    UnknownKey "unknown_key" NOT_FOUND "There is no such key",
     MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
     NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
     BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly",
@@ -91,6 +95,7 @@ codes! {
     InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
     NoRegion "no_region" UNPROCESSABLE_ENTITY "The picture has no such region",
     NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
+    RateLimited "rate_limited" TOO_MANY_REQUESTS "The key was used too often",
     TooManyTracks "too_many_tracks" TOO_MANY_REQUESTS "There is no room for another track",
     Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done",
     DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
@@ -184,9 +189,9 @@ impl Problem {
         [StatusCode::SERVICE_UNAVAILABLE, StatusCode::TOO_MANY_REQUESTS].contains(&status)
     }
 
-    /// The same, to come back after that time: in whole seconds, at least one.
+    /// The same, to come back after that time: in whole seconds, rounded up, at least one.
     pub fn until(self, after: Duration) -> Self {
-        Self { retry_after_s: Some(after.as_secs().max(1)), ..self }
+        Self { retry_after_s: Some(after.as_millis().div_ceil(1000).max(1) as u64), ..self }
     }
 
     /// Fields at fault, all of them.
@@ -344,14 +349,26 @@ impl From<ComputeError> for Problem {
     }
 }
 
+impl From<AccessError> for Problem {
+    fn from(error: AccessError) -> Self {
+        match error {
+            AccessError::Grant { field, fault } => Self::field(format!("/{field}"), fault),
+            AccessError::UnknownKey { .. } => Self::new(Code::UnknownKey, error.to_string()),
+            AccessError::NoRandomNumbers { .. } => Self::internal(&error),
+            AccessError::Catalogue(source) => source.into(),
+        }
+    }
+}
+
 impl From<CatalogueError> for Problem {
     fn from(error: CatalogueError) -> Self {
         match error {
             CatalogueError::Unavailable { .. } => {
                 tracing::warn!(error = chain(&error), "the catalogue is away");
+                let text = outage(&error);
                 Self::new(
                     Code::CatalogueUnavailable,
-                    "the catalogue can't be reached; recognition goes on from memory, try this again soon",
+                    format!("the catalogue can't be used: {text}; recognition goes on, try this again soon"),
                 )
             }
             CatalogueError::NotFound { what } => {
@@ -371,6 +388,11 @@ impl From<DatabaseError> for Problem {
                 problem(Code::UnknownDatabase, "; create it with PUT /v1/databases/{database}")
             }
             DatabaseError::UnknownExemplar { .. } => problem(Code::UnknownExemplar, ""),
+            error @ DatabaseError::LostExemplar { .. } => {
+                tracing::error!(error = chain(&error), "a picture is lost");
+                let advice = ": post the same picture again, or delete the exemplar";
+                Self::new(Code::UnreadableExemplar, format!("{}{advice}", chain(&error)))
+            }
             DatabaseError::UnknownVersion { .. } => problem(Code::UnknownVersion, ""),
             DatabaseError::UnknownAlias { .. } => problem(Code::UnknownAlias, ""),
             DatabaseError::UnknownCalibration { .. } => {
@@ -404,9 +426,10 @@ impl From<DatabaseError> for Problem {
             DatabaseError::PreconditionFailed => {
                 problem(Code::PreconditionFailed, ": read it again and decide anew")
             }
-            DatabaseError::EmptyFilter => {
-                problem(Code::MissingFilter, ": give ?label= or ?robot_id=, absent never means all")
-            }
+            DatabaseError::EmptyFilter => problem(
+                Code::MissingFilter,
+                ": give ?label=, ?robot_id=, ?since= or ?before=, absent never means all",
+            ),
             DatabaseError::Unloadable { .. } => problem(Code::VersionUnloadable, ""),
             DatabaseError::InvalidArtifact { source } => {
                 let code = match source {
@@ -418,7 +441,11 @@ impl From<DatabaseError> for Problem {
             DatabaseError::Catalogue { source } => source.into(),
             DatabaseError::Blobs { source: source @ BlobError::Unavailable { .. } } => {
                 tracing::warn!(error = chain(&source), "the blob store is away");
-                Self::new(Code::BlobsUnavailable, "the blob store can't be reached; try this again soon")
+                let text = outage(&source);
+                Self::new(
+                    Code::BlobsUnavailable,
+                    format!("the blob store can't be used: {text}; recognition goes on, try this again soon"),
+                )
             }
             DatabaseError::Blobs { source } => Self::internal(&source),
             DatabaseError::Compute { source } => source.into(),

@@ -21,10 +21,15 @@ const MAX_REQUEST_ID_BYTES: usize = 128;
 /// Batches, sweeps and artifacts carry many pictures' worth of work.
 pub const LONG_CALL: u32 = 10;
 
+/// The id under which a call is found in the log and in the record.
+#[derive(Clone)]
+pub struct RequestId(pub String);
+
 /// See the module.
-pub async fn rim(State(service): State<Service>, request: Request, next: Next) -> Response {
+pub async fn rim(State(service): State<Service>, mut request: Request, next: Next) -> Response {
     let started = Instant::now();
     let request_id = request_id(&request);
+    request.extensions_mut().insert(RequestId(request_id.clone()));
     let method = request.method().clone();
     let path = request.uri().path().to_owned();
     let route =
@@ -91,7 +96,8 @@ fn known(method: &Method) -> &str {
 /// The caller's id, if it sent a usable one, or a new one.
 fn request_id(request: &Request) -> String {
     let sent = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok());
-    let usable = |id: &&str| !id.is_empty() && id.len() <= MAX_REQUEST_ID_BYTES;
+    let usable =
+        |id: &&str| !id.is_empty() && id.len() <= MAX_REQUEST_ID_BYTES && !id.contains(char::is_control);
     sent.filter(usable).map_or_else(|| Uuid::now_v7().to_string(), str::to_owned)
 }
 

@@ -114,7 +114,7 @@ async fn asked(request: Request, service: &Service) -> Result<(Picture, Segmenta
 /// (the region's id for each pixel, 0 is background); or, for people, the picture with outlines, boxes, axes and ids.
 /// A picture in which nothing stands out is an answer without regions.
 #[utoipa::path(
-    post, operation_id = "segment", path = "/v1/segmentations", tag = "workcell",
+    post, operation_id = "segment", path = "/v1/segmentations", tag = "workcell", security(("key" = ["recognise"])),
     params(SegmentationOptionsBody),
     request_body(
         description = "The picture, raw with the options in the query, or as a form",

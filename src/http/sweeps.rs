@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::Service;
+use super::access::Who;
 use super::calibrations::CalibrationPath;
 use super::extract::{MAX_JSON_BYTES, Path, from_json};
 use super::jobs::{JobBody, queued};
@@ -61,12 +62,13 @@ pub struct SweepForm {
 /// the job.
 #[utoipa::path(
     post, operation_id = "sweep_calibration",
-    path = "/v1/calibrations/{name}/sweep", tag = "depth", params(CalibrationPath),
+    path = "/v1/calibrations/{name}/sweep", tag = "depth", security(("key" = ["train"])), params(CalibrationPath),
     request_body(content = SweepForm, content_type = "multipart/form-data"),
     responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
 )]
 pub async fn post(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<CalibrationPath>,
     request: Request,
 ) -> Result<Response, Problem> {
@@ -77,7 +79,7 @@ pub async fn post(
     let (calibration, method) = (rig.calibration.clone(), params.method);
     let judge = move || Sweep::new(&calibration, method, &depths_mm).map(drop);
     service.compute.run(Lane::Upkeep, 0, judge).await?.0?;
-    Ok(queued(service.jobs.sweep(&rig, &params).await?))
+    Ok(queued(service.jobs.sweep(&rig, &params, &who.actor()).await?))
 }
 
 /// A picture that was kept.

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::Service;
+use super::access::Who;
 use super::databases::{DatabasePath, read_options};
 use super::extract::{Json as JsonIn, Path};
 use super::jobs::{JobBody, queued};
@@ -41,12 +42,13 @@ pub struct NewTraining {
 
 /// Train the database's exemplars into a version: answers at once with a job.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/trainings", tag = "databases", params(DatabasePath),
-    request_body = NewTraining,
+    post, path = "/v1/databases/{database}/trainings", tag = "databases", security(("key" = ["train"])), params(DatabasePath),
+    request_body = Option<NewTraining>,
     responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
 )]
 pub async fn post(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<DatabasePath>,
     JsonIn(new): JsonIn<NewTraining>,
 ) -> Result<Response, Problem> {
@@ -57,6 +59,6 @@ pub async fn post(
     };
     let base = read_options(&service.databases.get(&path.database).await?)?;
     let options = options::over(base, &new.options.unwrap_or_default())?;
-    let job = service.jobs.train(&path.database, &TrainingParams { options, promote }).await?;
+    let job = service.jobs.train(&path.database, &TrainingParams { options, promote }, &who.actor()).await?;
     Ok(queued(job))
 }

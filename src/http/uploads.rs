@@ -399,12 +399,14 @@ impl FromRequestParts<Service> for RobotHeader {
 
 fn field(headers: &HeaderMap, name: &str) -> Result<Option<String>, Problem> {
     let Some(value) = headers.get(name) else { return Ok(None) };
-    let text = std::str::from_utf8(value.as_bytes()).ok().filter(|text| text.len() <= MAX_HEADER_VALUE_BYTES);
+    // A catalogue may not be able to keep control characters, and nobody can read them in a log.
+    let usable = |text: &&str| text.len() <= MAX_HEADER_VALUE_BYTES && !text.contains(char::is_control);
+    let text = std::str::from_utf8(value.as_bytes()).ok().filter(usable);
     match text {
         Some(text) => Ok(Some(text.to_owned())),
         None => Err(Problem::field(
             format!("#{name}"),
-            format!("must be UTF-8 of at most {MAX_HEADER_VALUE_BYTES} bytes"),
+            format!("must be UTF-8 of at most {MAX_HEADER_VALUE_BYTES} bytes without control characters"),
         )),
     }
 }

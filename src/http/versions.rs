@@ -8,10 +8,12 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use super::access::Who;
 use super::databases::DatabasePath;
 use super::extract::{Path, Query};
 use super::options::OptionsBody;
 use super::pages::{self, Page, PageQuery};
+use super::preconditions::Tags;
 use super::problem::{Code, Problem};
 use super::reports::ReportBody;
 use super::rim::LONG_CALL;
@@ -97,7 +99,7 @@ impl TryFrom<VersionRow> for VersionBody {
 /// Versions by number.
 #[utoipa::path(
     get, operation_id = "list_versions",
-    path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath, PageQuery),
+    path = "/v1/databases/{database}/versions", tag = "databases", security(("key" = ["recognise"])), params(DatabasePath, PageQuery),
     responses((status = 200, body = Page<VersionBody>))
 )]
 pub async fn list(
@@ -117,7 +119,7 @@ pub async fn list(
 /// One version with its report.
 #[utoipa::path(
     get, operation_id = "get_version",
-    path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    path = "/v1/databases/{database}/versions/{version}", tag = "databases", security(("key" = ["recognise"])), params(VersionPath),
     responses((status = 200, body = VersionBody))
 )]
 pub async fn get(
@@ -131,22 +133,23 @@ pub async fn get(
 /// Delete a version that no alias points to.
 #[utoipa::path(
     delete, operation_id = "delete_version",
-    path = "/v1/databases/{database}/versions/{version}", tag = "databases", params(VersionPath),
+    path = "/v1/databases/{database}/versions/{version}", tag = "databases", security(("key" = ["admin"])), params(VersionPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<VersionPath>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    service.databases.delete_version(&path.database, path.version).await?;
+    service.databases.delete_version(&path.database, path.version, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
 /// The version as one file (safetensors): a backup, or another site's database.
 #[utoipa::path(
     get, operation_id = "get_version_artifact",
-    path = "/v1/databases/{database}/versions/{version}/artifact", tag = "databases", params(VersionPath),
+    path = "/v1/databases/{database}/versions/{version}/artifact", tag = "databases", security(("key" = ["recognise"])), params(VersionPath),
     responses(
         (status = 200, description = "The artifact file", body = Vec<u8>, content_type = "application/octet-stream",
          headers(("ETag" = String))),
@@ -189,10 +192,9 @@ pub enum Freshness {
 /// Hold `If-None-Match` against the ETag of that name.
 pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Problem> {
     let etag = format!("\"{name}\"");
-    let have = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
-    let have = have.is_some_and(|list| {
-        list.split(',').map(str::trim).any(|have| have == "*" || have.trim_start_matches("W/") == etag)
-    });
+    // What can't be read says nothing of what the caller has: it gets the version.
+    let have = Tags::of(headers, header::IF_NONE_MATCH).ok().flatten();
+    let have = have.is_some_and(|tags| tags.hold_weakly(&etag));
     let etag =
         HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
     Ok(match have {
@@ -204,7 +206,7 @@ pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Proble
 /// Take in an artifact file: checked whole, then a new version. The same digest again is the same version.
 #[utoipa::path(
     post, operation_id = "import_version",
-    path = "/v1/databases/{database}/versions", tag = "databases", params(DatabasePath),
+    path = "/v1/databases/{database}/versions", tag = "databases", security(("key" = ["train"])), params(DatabasePath),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 201, body = VersionBody, description = "Taken in"),
@@ -213,6 +215,7 @@ pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Proble
 )]
 pub async fn import(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<DatabasePath>,
     request: Request,
 ) -> Result<(StatusCode, Json<VersionBody>), Problem> {
@@ -222,6 +225,7 @@ pub async fn import(
     let _share = service.bodies.admit(&parts.headers, most)?;
     // As long as the rim gives the whole call: an artifact is as large as a batch.
     let bytes = body::read_whole(body, most, service.limits.body_timeout * LONG_CALL).await?;
-    let (row, created) = service.databases.import(&path.database, bytes, &service.compute).await?;
+    let (row, created) =
+        service.databases.import(&path.database, bytes, &service.compute, &who.actor()).await?;
     Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.try_into()?)))
 }

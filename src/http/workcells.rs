@@ -9,11 +9,13 @@ use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
+use super::access::{Who, reach};
 use super::extract::{Json as JsonIn, Path, Query};
+use super::keys::for_all;
 use super::options::{SegmentationOptionsBody, readable, words};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{FieldError, Problem};
-use crate::database::{KeptWorkcell, Name, WorkcellSetup};
+use crate::database::{DatabaseError, KeptWorkcell, Name, WorkcellSetup};
 use crate::workcell::{self, Correspondence, LocalCamera, Mapping, MappingError, Workcell};
 
 words!(
@@ -45,10 +47,11 @@ pub struct CorrespondenceBody {
 #[serde(deny_unknown_fields)]
 pub struct LocalCameraBody {
     /// Scale on the table.
-    #[schema(exclusive_minimum = 0)]
+    #[schema(exclusive_minimum = 0, maximum = 1e6)]
     pub mm_per_px: f64,
     /// Direction of the image's x axis in the robot's plane, from X towards Y.
     #[serde(default)]
+    #[schema(minimum = -360, maximum = 360)]
     pub rotation_deg: f64,
 }
 
@@ -85,10 +88,6 @@ pub struct PutWorkcell {
 
 /// Most correspondences of a workcell: a calibration target has a few hundred corners.
 const MAX_CORRESPONDENCES: usize = 100;
-/// The largest `tolerance_px`.
-const MAX_TOLERANCE_PX: f64 = 1000.0;
-/// The largest scale of a local camera, in mm a pixel, and the largest turn in degrees.
-const MAX_LOCAL: LocalCamera = LocalCamera { mm_per_px: 1e6, rotation_deg: 360.0 };
 
 /// From the overview camera's pixels to the robot.
 #[derive(Debug, Serialize, ToSchema)]
@@ -190,27 +189,15 @@ impl PutWorkcell {
                 faults.push(FieldError { pointer: member.into(), detail: "is missing".into() });
             }
         }
-        let mut fault =
-            |pointer: &str, detail: String| faults.push(FieldError { pointer: pointer.into(), detail });
         let tolerance_px = sent.tolerance_px.unwrap_or(1.0);
-        if !(0.0..=MAX_TOLERANCE_PX).contains(&tolerance_px) {
-            fault("/tolerance_px", format!("{tolerance_px} is not in 0..={MAX_TOLERANCE_PX}"));
-        }
         let local = sent
             .local
             .map(|local| LocalCamera { mm_per_px: local.mm_per_px, rotation_deg: local.rotation_deg });
-        if let Some(LocalCamera { mm_per_px, rotation_deg }) = local {
-            let most = MAX_LOCAL;
-            if !(mm_per_px > 0.0 && mm_per_px <= most.mm_per_px) {
-                fault(
-                    "/local/mm_per_px",
-                    format!("{mm_per_px} is not above 0, and at most {}", most.mm_per_px),
-                );
-            }
-            if rotation_deg.abs() > most.rotation_deg {
-                fault("/local/rotation_deg", format!("{rotation_deg} is not within ±{}", most.rotation_deg));
-            }
-        }
+        faults.extend(
+            workcell::faults(local, tolerance_px)
+                .into_iter()
+                .map(|fault| FieldError { pointer: format!("/{}", fault.option), detail: fault.message }),
+        );
         let (segmentation, wrong) =
             SegmentationOptionsBody::read("/segmentation", &sent.segmentation.unwrap_or_default());
         faults.extend(wrong);
@@ -244,7 +231,7 @@ impl PutWorkcell {
 /// `objects`; so must the calibration, if one is named.
 #[utoipa::path(
     put, operation_id = "put_workcell",
-    path = "/v1/workcells/{name}", tag = "workcell", params(WorkcellPath), request_body = PutWorkcell,
+    path = "/v1/workcells/{name}", tag = "workcell", security(("key" = ["train"])), params(WorkcellPath), request_body = PutWorkcell,
     responses(
         (status = 201, body = WorkcellBody, description = "Created"),
         (status = 200, body = WorkcellBody, description = "It was there, and is replaced"),
@@ -252,52 +239,75 @@ impl PutWorkcell {
 )]
 pub async fn put(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<WorkcellPath>,
     JsonIn(body): JsonIn<Map<String, Value>>,
 ) -> Result<(StatusCode, Json<WorkcellBody>), Problem> {
     let setup = PutWorkcell::read(&body)?;
-    let (kept, created) = service.databases.put_workcell(&path.name, &setup).await?;
+    reach(&who.caller, setup.database.as_str())?;
+    // Nor may it be taken from a database that isn't the caller's.
+    match service.databases.workcell(&path.name).await {
+        Ok(before) => reach(&who.caller, before.setup.database.as_str())?,
+        Err(DatabaseError::UnknownWorkcell { .. }) => {}
+        // Of one that can't be read nobody knows whose it is.
+        Err(DatabaseError::UnreadableWorkcell { .. }) => for_all(&who)?,
+        Err(error) => return Err(error.into()),
+    }
+    let (kept, created) = service.databases.put_workcell(&path.name, &setup, &who.actor()).await?;
     let status = if created { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(kept.into())))
 }
 
 /// Workcells by name.
 #[utoipa::path(
-    get, operation_id = "list_workcells", path = "/v1/workcells", tag = "workcell", params(PageQuery),
+    get, operation_id = "list_workcells", path = "/v1/workcells", tag = "workcell", security(("key" = ["recognise"])), params(PageQuery),
     responses((status = 200, body = Page<WorkcellBody>))
 )]
 pub async fn list(
     State(service): State<Service>,
+    who: Who,
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<WorkcellBody>>, Problem> {
     let limit = pages::limit(page.limit)?;
     let kept = service.databases.workcells(page.cursor.as_deref(), limit).await?;
-    Ok(Json(Page::of(kept, limit, |workcell| workcell.name.clone(), WorkcellBody::from)))
+    let mut page = Page::of(kept, limit, |workcell| workcell.name.clone(), WorkcellBody::from);
+    page.items.retain(|workcell| who.caller.reaches(workcell.database.as_str()));
+    Ok(Json(page))
 }
 
 /// One workcell.
 #[utoipa::path(
     get, operation_id = "get_workcell",
-    path = "/v1/workcells/{name}", tag = "workcell", params(WorkcellPath),
+    path = "/v1/workcells/{name}", tag = "workcell", security(("key" = ["recognise"])), params(WorkcellPath),
     responses((status = 200, body = WorkcellBody))
 )]
 pub async fn get(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<WorkcellPath>,
 ) -> Result<Json<WorkcellBody>, Problem> {
-    Ok(Json(service.databases.workcell(&path.name).await?.into()))
+    let kept = service.databases.workcell(&path.name).await?;
+    reach(&who.caller, kept.setup.database.as_str())?;
+    Ok(Json(kept.into()))
 }
 
 /// Delete a workcell. Its database and calibration stay.
 #[utoipa::path(
     delete, operation_id = "delete_workcell",
-    path = "/v1/workcells/{name}", tag = "workcell", params(WorkcellPath),
+    path = "/v1/workcells/{name}", tag = "workcell", security(("key" = ["train"])), params(WorkcellPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(
     State(service): State<Service>,
+    who: Who,
     Path(path): Path<WorkcellPath>,
 ) -> Result<StatusCode, Problem> {
-    service.databases.delete_workcell(&path.name).await?;
+    match service.databases.workcell(&path.name).await {
+        Ok(kept) => reach(&who.caller, kept.setup.database.as_str())?,
+        // One that can't be read can still be deleted, by who reaches all.
+        Err(DatabaseError::UnreadableWorkcell { .. }) => for_all(&who)?,
+        Err(error) => return Err(error.into()),
+    }
+    service.databases.delete_workcell(&path.name, &who.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -14,7 +14,7 @@ use tokio::sync::{Notify, RwLock};
 use uuid::Uuid;
 
 use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name, Options, Rig};
-use crate::store::{Catalogue, CatalogueError};
+use crate::store::{Actor, Catalogue, CatalogueError};
 pub use runner::{Runner, WORKER_LEASE};
 pub use sweep::{SweepParams, SweepPlane, sweep_problem};
 pub use training::{Promote, TrainingParams, UnfitExemplars, VersionComparison};
@@ -70,7 +70,12 @@ impl Jobs {
     ///
     /// # Errors
     /// [`JobError::NoExemplars`], [`JobError::Unfit`], or an unknown database.
-    pub async fn train(&self, database: &Name, params: &TrainingParams) -> Result<JobRow, JobError> {
+    pub async fn train(
+        &self,
+        database: &Name,
+        params: &TrainingParams,
+        by: &Actor,
+    ) -> Result<JobRow, JobError> {
         let unknown = || DatabaseError::UnknownDatabase { database: database.to_string() };
         let known = self.catalogue.database(database.as_str()).await.map_err(DatabaseError::from)?;
         known.ok_or_else(unknown)?;
@@ -85,7 +90,7 @@ impl Jobs {
                 .map_or(Ok(()), |source| Err(JobError::Unfit { database: database.to_string(), source }))?;
         }
         let queued =
-            self.catalogue.enqueue_job(training::KIND, database.as_str(), &params.to_document()).await;
+            self.catalogue.enqueue_job(training::KIND, database.as_str(), &params.to_document(), by).await;
         let job = queued.map_err(DatabaseError::from)?;
         self.work.notify_one();
         Ok(job)
@@ -95,9 +100,10 @@ impl Jobs {
     ///
     /// # Errors
     /// An unknown calibration.
-    pub async fn sweep(&self, rig: &Rig, params: &SweepParams) -> Result<JobRow, JobError> {
+    pub async fn sweep(&self, rig: &Rig, params: &SweepParams, by: &Actor) -> Result<JobRow, JobError> {
         let (document, blobs) = (params.to_document(), params.blobs());
-        let queued = self.catalogue.enqueue_calibration_job(sweep::KIND, &rig.name, &document, &blobs).await;
+        let queued =
+            self.catalogue.enqueue_calibration_job(sweep::KIND, &rig.name, &document, &blobs, by).await;
         let job = queued.map_err(|error| match error {
             CatalogueError::NotFound { .. } => {
                 DatabaseError::UnknownCalibration { calibration: rig.name.clone() }
@@ -134,12 +140,12 @@ impl Jobs {
     ///
     /// # Errors
     /// [`JobError::Unknown`], or [`JobError::Ended`] when it had ended before.
-    pub async fn cancel(&self, id: Uuid) -> Result<JobRow, JobError> {
+    pub async fn cancel(&self, id: Uuid, by: &Actor) -> Result<JobRow, JobError> {
         let before = self.get(id).await?;
         if before.state.is_terminal() {
             return Err(JobError::Ended { id, state: before.state.as_str() });
         }
-        let asked = self.catalogue.request_cancel(id).await.map_err(DatabaseError::from)?;
+        let asked = self.catalogue.request_cancel(id, by).await.map_err(DatabaseError::from)?;
         self.changed.notify_waiters();
         asked.ok_or(JobError::Unknown { id })
     }

@@ -12,7 +12,7 @@ use super::{Jobs, sweep, training};
 use crate::compute::{Compute, ComputeError};
 use crate::database::{DatabaseError, Databases, JobRow, Progress};
 use crate::imaging::DecodeLimits;
-use crate::store::{BlobError, CatalogueError};
+use crate::store::CatalogueError;
 use crate::telemetry::{Metrics, chain};
 
 /// How long a silent worker keeps its job: three missed renewals.
@@ -49,9 +49,16 @@ impl From<DatabaseError> for Stop {
             DatabaseError::Catalogue { source: CatalogueError::NotFound { what } } => {
                 Self::Failed { code: "unknown_database", detail: format!("{what}; it was deleted meanwhile") }
             }
-            DatabaseError::Blobs {
-                source: error @ (BlobError::NotFound { .. } | BlobError::Corrupt { .. }),
-            } => Self::Failed { code: "unreadable_exemplar", detail: chain(&error) },
+            error @ DatabaseError::LostExemplar { .. } => Self::Failed {
+                code: "unreadable_exemplar",
+                detail: format!(
+                    "{}; post the same picture again, or delete it, and train again",
+                    chain(&error)
+                ),
+            },
+            DatabaseError::Blobs { source } if source.is_damage() => {
+                Self::Failed { code: "unreadable_picture", detail: chain(&source) }
+            }
             DatabaseError::Unloadable { reason, .. } => Self::Failed {
                 code: "internal",
                 detail: format!("the new version can't be read back: {reason}"),

@@ -4,15 +4,16 @@
 //! `ab/abcdef…`. So a blob is never changed, writing one twice is one blob, and reading one proves it.
 //! A path is only ever made from such a name, never from anything a client sent.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::io;
-use std::path::Path as FilePath;
+use std::path::{Path as FilePath, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::Bytes;
-use futures_util::TryStreamExt;
+use futures_util::StreamExt;
 use jiff::Timestamp;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
@@ -30,6 +31,8 @@ const MARKER: &str = "landmarkd-blobs";
 const MARKER_WORDS: &[u8] = b"blobs of landmarkd, named by content\n";
 /// Where a bucket's orphans wait before they are deleted.
 const ASIDE: &str = "set-aside";
+/// Blobs that the catalogue is asked about at once: some 70 kB of names.
+const ASKED_AT_ONCE: usize = 1000;
 
 /// The name of a blob: the BLAKE3 hash of its content.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -120,12 +123,26 @@ pub enum BlobError {
     /// The bytes that stand under the name aren't the ones that were put there.
     #[error("blob {name} is corrupt: its content hashes to {found}")]
     Corrupt { name: BlobName, found: BlobName },
+    /// The blob was corrupt when it was read before, and was set aside.
+    #[error("blob {name} was corrupt; what is left of it stands in the data folder's quarantine")]
+    Quarantined { name: BlobName },
     /// Collecting orphans needs the catalogue, and it failed.
     #[error("the catalogue cannot say which blobs are in use")]
     Catalogue {
         #[source]
         source: CatalogueError,
     },
+}
+
+impl BlobError {
+    /// True when the content is lost: the same put again mends it, nothing else does. For a caller that allowed as
+    /// many bytes as were put, a larger blob is damaged too.
+    pub fn is_damage(&self) -> bool {
+        matches!(
+            self,
+            Self::NotFound { .. } | Self::Corrupt { .. } | Self::Quarantined { .. } | Self::TooLarge { .. }
+        )
+    }
 }
 
 impl From<object_store::Error> for BlobError {
@@ -147,13 +164,39 @@ pub struct Blobs {
     place: Arc<Place>,
 }
 
+/// What came of a look for orphans.
+#[derive(Debug, Default)]
+pub struct Collected {
+    pub removed: u64,
+    /// Objects that couldn't be looked at or removed; the next look finds them again.
+    pub failed: u64,
+    /// Why the first of them couldn't.
+    pub error: Option<BlobError>,
+}
+
+impl Collected {
+    fn note(&mut self, removed: Result<bool, BlobError>) {
+        match removed {
+            Ok(is_removed) => self.removed += u64::from(is_removed),
+            Err(error) => {
+                self.failed += 1;
+                self.error.get_or_insert(error);
+            }
+        }
+    }
+}
+
 /// Where the blobs are, and what that asks for.
 #[derive(Debug)]
 enum Place {
     Folder {
-        /// Shared by those who put, held alone by the collector while it looks at an orphan's age and deletes it.
+        /// Where blobs are set aside that aren't what their names say.
+        quarantine: PathBuf,
+        /// Shared by those who put, held alone by whoever takes a blob away: the collector while it looks at an
+        /// orphan's age and deletes it, a reader while it sets a corrupt blob aside.
         collection: RwLock<()>,
-        _lock: Arc<FolderLock>,
+        /// None where another process may be serving the folder: then nothing is taken away.
+        lock: Option<Arc<FolderLock>>,
     },
     Bucket {
         cache: Cache,
@@ -173,15 +216,27 @@ impl Blobs {
         if new {
             std::fs::create_dir_all(folder)?;
         }
-        let store = LocalFileSystem::new_with_prefix(folder)?.with_fsync(true);
-        let place = Place::Folder { collection: RwLock::default(), _lock: lock };
-        let blobs = Self { store: Arc::new(store), place: Arc::new(place) };
+        let blobs = Self::over(folder, Some(lock))?;
         if new {
             blobs.mark(Bytes::from_static(MARKER_WORDS)).await?;
         }
         blobs.ping().await?;
         remove_unfinished(folder)?;
         Ok(blobs)
+    }
+
+    /// Opens the blobs in a folder that another process may be serving.
+    pub(super) async fn beside(folder: &FilePath) -> Result<Self, BlobError> {
+        let blobs = Self::over(folder, None)?;
+        blobs.ping().await?;
+        Ok(blobs)
+    }
+
+    fn over(folder: &FilePath, lock: Option<Arc<FolderLock>>) -> Result<Self, BlobError> {
+        let store = LocalFileSystem::new_with_prefix(folder)?.with_fsync(true);
+        let quarantine = folder.with_file_name("quarantine");
+        let place = Place::Folder { quarantine, collection: RwLock::default(), lock };
+        Ok(Self { store: Arc::new(store), place: Arc::new(place) })
     }
 
     /// Opens the blobs in a bucket, which other processes of the same catalogue may use and open too; `None` if it
@@ -259,7 +314,42 @@ impl Blobs {
         }
         let content = found.bytes().await?;
         let found = name_of(content.clone()).await?;
-        if found == *name { Ok(content) } else { Err(BlobError::Corrupt { name: *name, found }) }
+        if found == *name {
+            return Ok(content);
+        }
+        // A task of its own: who stops waiting for it must not let others put while the file is being moved.
+        let (blobs, corrupt) = (self.clone(), *name);
+        drop(tokio::spawn(async move { blobs.set_apart(&corrupt).await }).await);
+        Err(BlobError::Corrupt { name: *name, found })
+    }
+
+    /// Takes a corrupt blob out of the way, for an operator to look at. In a bucket it stays: there nobody can be kept
+    /// from putting it again at the same moment.
+    async fn set_apart(&self, name: &BlobName) {
+        let Place::Folder { quarantine, collection, lock: Some(_) } = &*self.place else { return };
+        let _nobody_puts = collection.write().await;
+        // Once more, alone: it may have been put again since.
+        let Ok(read) = self.store.get(&name.path()).await else { return };
+        let Ok(content) = read.bytes().await else { return };
+        let name = *name;
+        let (quarantine, from) = (quarantine.clone(), quarantine.with_file_name("blobs"));
+        let from = from.join(name.path().as_ref());
+        let moved = tokio::task::spawn_blocking(move || {
+            if BlobName::of(&content) == name {
+                return Ok(());
+            }
+            std::fs::create_dir_all(&quarantine)?;
+            std::fs::rename(from, quarantine.join(name.to_string()))
+        });
+        // Where it can't be moved it stays, and is refused each time it is read.
+        drop(moved.await);
+    }
+
+    fn is_set_apart(&self, name: &BlobName) -> bool {
+        match &*self.place {
+            Place::Folder { quarantine, .. } => quarantine.join(name.to_string()).exists(),
+            Place::Bucket { .. } => false,
+        }
     }
 
     async fn open(&self, name: &BlobName) -> Result<GetResult, BlobError> {
@@ -271,14 +361,18 @@ impl Blobs {
         }
         // Nothing is there when the whole store is away.
         self.ping().await?;
+        if self.is_set_apart(name) {
+            return Err(BlobError::Quarantined { name: *name });
+        }
         Err(BlobError::NotFound { name: *name })
     }
 
-    /// Deletes the blobs that no row names and that were put longer ago than `older_than`; gives their number.
+    /// Deletes the blobs that no row names and that were put longer ago than `older_than`.
     ///
     /// `older_than` must exceed the time that a request or a job may take between putting a blob and writing its
-    /// row. Whatever else stands in the store is left alone. Errors: `Catalogue`; what was deleted until then was
-    /// rightly deleted.
+    /// row. Whatever else stands in the store is left alone. What fails doesn't keep the others from being collected.
+    /// Does nothing while another process collects. Errors: `Catalogue`; what was deleted until then was rightly
+    /// deleted.
     ///
     /// In a bucket another process may put an orphan again between a look at its age and its deletion; S3 has no
     /// deletion that asks for the age. An orphan is therefore set aside first, where it is still read, and deleted
@@ -287,29 +381,76 @@ impl Blobs {
         &self,
         older_than: Duration,
         catalogue: &dyn Catalogue,
-    ) -> Result<u64, BlobError> {
-        let mut removed = 0;
-        let mut objects = self.store.list(None);
-        while let Some(object) = objects.try_next().await? {
-            let Some(name) = BlobName::at(&object.location) else { continue };
-            if !is_older(&object, older_than) || is_referenced(&name, catalogue).await? {
-                continue;
+    ) -> Result<Collected, BlobError> {
+        let away = |source| BlobError::Catalogue { source };
+        let mut collected = Collected::default();
+        let Some(_turn) = catalogue.turn_to_collect().await.map_err(away)? else { return Ok(collected) };
+        // By the beginnings of names: a listing ends where it fails, and the others go on.
+        for beginning in self.store.list_with_delimiter(None).await?.common_prefixes {
+            let mut batches = self.store.list(Some(&beginning)).chunks(ASKED_AT_ONCE);
+            while let Some(batch) = batches.next().await {
+                self.collect_among(batch, older_than, catalogue, &mut collected).await?;
             }
-            let is_removed = match &*self.place {
-                Place::Folder { collection, .. } => {
-                    // Looks at the age once more with everybody who puts kept out: one put again meanwhile stays.
-                    let _collecting = collection.write().await;
-                    self.delete_if_older(&object.location, older_than).await?
-                }
-                Place::Bucket { .. } if object.location == name.path() => {
-                    self.set_aside(&name, older_than).await?;
-                    false
-                }
-                Place::Bucket { .. } => self.delete_if_older(&object.location, older_than).await?,
-            };
-            removed += u64::from(is_removed);
         }
-        Ok(removed)
+        Ok(collected)
+    }
+
+    async fn collect_among(
+        &self,
+        batch: Vec<object_store::Result<ObjectMeta>>,
+        older_than: Duration,
+        catalogue: &dyn Catalogue,
+        collected: &mut Collected,
+    ) -> Result<(), BlobError> {
+        let mut old = Vec::new();
+        for object in batch {
+            match object {
+                Ok(object) if is_older(&object, older_than) => {
+                    old.extend(BlobName::at(&object.location).map(|name| (name, object.location)));
+                }
+                Ok(_) => {}
+                Err(error) => collected.note(Err(error.into())),
+            }
+        }
+        if old.is_empty() {
+            return Ok(());
+        }
+        let names: Vec<String> = old.iter().map(|(name, _)| name.to_string()).collect();
+        let named = catalogue.blobs_referenced(&names).await;
+        let named: HashSet<String> =
+            named.map_err(|source| BlobError::Catalogue { source })?.into_iter().collect();
+        for (name, path) in old {
+            if !named.contains(&name.to_string()) {
+                // A task of its own, as in `fetch`.
+                let blobs = self.clone();
+                let removing = async move { blobs.remove_orphan(&name, &path, older_than).await };
+                let removed = tokio::spawn(removing).await;
+                let died =
+                    |error: tokio::task::JoinError| Err(BlobError::Unavailable { source: error.into() });
+                collected.note(removed.unwrap_or_else(died));
+            }
+        }
+        Ok(())
+    }
+
+    async fn remove_orphan(
+        &self,
+        name: &BlobName,
+        path: &Path,
+        older_than: Duration,
+    ) -> Result<bool, BlobError> {
+        match &*self.place {
+            Place::Folder { collection, .. } => {
+                // Looks at the age once more with everybody who puts kept out: one put again meanwhile stays.
+                let _collecting = collection.write().await;
+                self.delete_if_older(path, older_than).await
+            }
+            Place::Bucket { .. } if *path == name.path() => {
+                self.set_aside(name, older_than).await?;
+                Ok(false)
+            }
+            Place::Bucket { .. } => self.delete_if_older(path, older_than).await,
+        }
     }
 
     /// Copies an orphan to where nobody puts, and only then deletes it; the copy is young.
@@ -337,10 +478,6 @@ impl Blobs {
             Err(error) => Err(error.into()),
         }
     }
-}
-
-async fn is_referenced(name: &BlobName, catalogue: &dyn Catalogue) -> Result<bool, BlobError> {
-    catalogue.is_blob_referenced(&name.to_string()).await.map_err(|source| BlobError::Catalogue { source })
 }
 
 fn is_older(object: &ObjectMeta, age: Duration) -> bool {
@@ -371,10 +508,10 @@ fn remove_unfinished(folder: &FilePath) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
+    use crate::store::folder::CollectionLock;
     use crate::store::suite::blobs::{Opened, blob_suite};
+    use crate::store::suite::by;
     use crate::store::{ExemplarRow, Folder, open_folder};
 
     async fn folder() -> (Opened, Fixture) {
@@ -429,6 +566,12 @@ mod tests {
         }
 
         async fn collect(&self, older_than: Duration) -> u64 {
+            let collected = self.try_collect(older_than).await;
+            assert!(collected.error.is_none(), "{collected:?}");
+            collected.removed
+        }
+
+        async fn try_collect(&self, older_than: Duration) -> Collected {
             let (blobs, catalogue) = (self.blobs().clone(), self.folder.catalogue.clone());
             // A task of its own, as the service runs it.
             tokio::spawn(async move { blobs.collect_orphans(older_than, &*catalogue).await.unwrap() })
@@ -437,7 +580,7 @@ mod tests {
         }
 
         async fn refer_to(&self, blob: BlobName) {
-            self.folder.catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+            self.folder.catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
             let row = ExemplarRow {
                 database: "lab".to_owned(),
                 id: uuid::Uuid::from_u128(1),
@@ -508,6 +651,62 @@ mod tests {
         assert!(fixture.holds(young).await);
         assert!(foreign.exists());
         fixture.blobs().ping().await.unwrap();
+    }
+
+    #[cfg(unix)]
+    #[tokio::test]
+    async fn an_orphan_that_cannot_be_removed_does_not_keep_the_others() {
+        let fixture = Fixture::new().await;
+        let mut orphans = Vec::new();
+        for number in 0..8 {
+            let name = fixture.blobs().put(format!("orphan {number}").into()).await.unwrap();
+            fixture.age(name);
+            orphans.push(name);
+        }
+        // A name that can't even be looked at, whoever asks.
+        let stuck = fixture.file(orphans[0]);
+        let content = std::fs::read(&stuck).unwrap();
+        std::fs::remove_file(&stuck).unwrap();
+        std::os::unix::fs::symlink("/proc/self/mem/nowhere", &stuck).unwrap();
+        let collected = fixture.try_collect(HALF_AN_HOUR).await;
+        assert_eq!((collected.removed, collected.failed), (7, 1), "{collected:?}");
+        std::fs::remove_file(&stuck).unwrap();
+        std::fs::write(&stuck, content).unwrap();
+        fixture.age(orphans[0]);
+        assert_eq!(fixture.collect(HALF_AN_HOUR).await, 1);
+    }
+
+    #[tokio::test]
+    async fn nothing_is_collected_while_the_blobs_are_copied() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("orphan".into()).await.unwrap();
+        fixture.age(name);
+        let copying = CollectionLock::shared(fixture.directory.path()).unwrap();
+        assert_eq!(fixture.collect(HALF_AN_HOUR).await, 0);
+        drop(copying);
+        assert_eq!(fixture.collect(HALF_AN_HOUR).await, 1);
+    }
+
+    #[tokio::test]
+    async fn a_corrupt_blob_is_set_apart_and_not_read_again() {
+        let fixture = Fixture::new().await;
+        let name = fixture.blobs().put("picture".into()).await.unwrap();
+        std::fs::write(fixture.file(name), "pictvre").unwrap();
+        let refused = fixture.blobs().get(&name, 7).await.unwrap_err();
+        assert!(matches!(refused, BlobError::Corrupt { .. }), "{refused:?}");
+        let apart = fixture.directory.path().join("quarantine").join(name.to_string());
+        assert_eq!(std::fs::read(&apart).unwrap(), b"pictvre");
+        assert!(!fixture.file(name).exists());
+        let refused = fixture.blobs().get(&name, 7).await.unwrap_err();
+        assert!(matches!(refused, BlobError::Quarantined { .. }), "{refused:?}");
+        fixture.blobs().put("picture".into()).await.unwrap();
+        assert_eq!(fixture.blobs().get(&name, 7).await.unwrap(), "picture");
+
+        // Whoever looks on beside the process that serves the folder takes nothing away.
+        std::fs::write(fixture.file(name), "pictvre").unwrap();
+        let beside = crate::store::open_beside(fixture.directory.path()).await.unwrap();
+        assert!(matches!(beside.blobs.get(&name, 7).await, Err(BlobError::Corrupt { .. })));
+        assert!(fixture.file(name).exists());
     }
 
     #[tokio::test]

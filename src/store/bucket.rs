@@ -174,6 +174,7 @@ mod tests {
     use super::super::blobs::BlobError;
     use super::*;
     use crate::store::suite::blobs::{Opened, blob_suite};
+    use crate::store::suite::by;
     use crate::store::test_bucket::Bucket;
     use crate::store::{BlobName, Folder, NewVersion, open_folder};
 
@@ -347,24 +348,24 @@ mod tests {
         let (bucket, directory) = fixture().await;
         let blobs = open_at(&bucket, &directory.path().join("cache"), 0).await.unwrap();
         let Folder { catalogue, blobs: _ } = open_folder(&directory.path().join("data")).await.unwrap();
-        catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+        catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
         let [used, orphan, late] = ["used", "orphan", "late"].map(Bytes::from);
         let used = blobs.put(used).await.unwrap();
         let orphan = blobs.put(orphan).await.unwrap();
         let late = blobs.put(late).await.unwrap();
-        catalogue.insert_version(&version(used)).await.unwrap();
+        catalogue.insert_version(&version(used), by()).await.unwrap();
         bucket.overwrite("README", b"not ours");
 
         // Times of objects are whole seconds.
         let age = Duration::from_secs(2);
-        let collect = async || blobs.collect_orphans(age, &*catalogue).await.unwrap();
+        let collect = async || blobs.collect_orphans(age, &*catalogue).await.unwrap().removed;
         let grow_old = || tokio::time::sleep(age + Duration::from_millis(1100));
         assert_eq!(collect().await, 0);
         grow_old().await;
         let young = blobs.put("young".into()).await.unwrap();
         assert_eq!(collect().await, 0);
         // The row of a put that the deletion overtook.
-        catalogue.insert_version(&version(late)).await.unwrap();
+        catalogue.insert_version(&version(late), by()).await.unwrap();
         for name in [used, orphan, late, young] {
             blobs.get(&name, 100).await.unwrap();
         }

@@ -17,6 +17,8 @@ use jiff::Timestamp;
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use super::audit::{Actor, AuditFilter, AuditRow};
+
 /// What a catalogue call can fail with.
 ///
 /// The source of an error, where there is one, is the driver's own error.
@@ -44,7 +46,7 @@ pub enum CatalogueError {
     #[error("the job was asked to end")]
     CancelRequested,
     /// A filter that must name something names nothing: absent never means all.
-    #[error("the filter names neither a label nor a robot")]
+    #[error("the filter names no label, no robot and no time")]
     EmptyFilter,
     /// What was read can't have been written by this program.
     #[error("the catalogue is corrupt: {what}")]
@@ -126,6 +128,17 @@ pub struct ExemplarRow {
 pub struct ExemplarFilter {
     pub label: Option<String>,
     pub robot_id: Option<String>,
+    /// Received at this moment or later.
+    pub since: Option<Timestamp>,
+    /// Received before this moment.
+    pub before: Option<Timestamp>,
+}
+
+impl ExemplarFilter {
+    /// Whether every exemplar matches.
+    pub(super) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// A trained artefact before it has its number.
@@ -361,11 +374,45 @@ pub struct ProcessRow {
     pub seen_at: Timestamp,
 }
 
+/// An API key before it is kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewKey {
+    /// The public part of the key.
+    pub id: String,
+    pub name: String,
+    /// SHA-256 of the whole key, hex.
+    pub hash: String,
+    pub scope: String,
+    /// JSON array of name patterns; none: every database.
+    pub databases: Option<String>,
+    pub requests_per_s: Option<i64>,
+}
+
+/// An API key; the key itself is not kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyRow {
+    pub id: String,
+    pub name: String,
+    pub hash: String,
+    pub scope: String,
+    pub databases: Option<String>,
+    pub requests_per_s: Option<i64>,
+    pub created_at: Timestamp,
+    /// Within a minute or so: it is noted now and then.
+    pub last_used_at: Option<Timestamp>,
+    /// It isn't taken any more from then on.
+    pub revoked_at: Option<Timestamp>,
+}
+
+/// Something only one process has at a time; dropped, it is free.
+pub type Turn = Box<dyn Send>;
+
 /// The one truth about databases, exemplars, versions, aliases, calibrations, workcells and jobs.
 ///
 /// Every call is one transaction: it happened wholly, durably, or not at all. Dropping the future of a call
 /// leaves it done or undone, never half. Any call may fail with `Unavailable` or `Corrupt`; the other errors
-/// are named at the calls that give them.
+/// are named at the calls that give them. A change that somebody asks for says by whom, and its entry in the audit
+/// record is written in the same transaction; a call that finds nothing to change writes none.
 #[async_trait]
 pub trait Catalogue: Send + Sync + 'static {
     /// Succeeds when the catalogue can be read.
@@ -377,10 +424,16 @@ pub trait Catalogue: Send + Sync + 'static {
         name: &str,
         kind: &str,
         options: &str,
+        by: &Actor,
     ) -> Result<(DatabaseRow, bool), CatalogueError>;
 
     /// Replaces a database's options. Errors: `NotFound`.
-    async fn set_database_options(&self, name: &str, options: &str) -> Result<DatabaseRow, CatalogueError>;
+    async fn set_database_options(
+        &self,
+        name: &str,
+        options: &str,
+        by: &Actor,
+    ) -> Result<DatabaseRow, CatalogueError>;
 
     /// The database of that name.
     async fn database(&self, name: &str) -> Result<Option<DatabaseRow>, CatalogueError>;
@@ -391,7 +444,7 @@ pub trait Catalogue: Send + Sync + 'static {
     /// Deletes a database with its exemplars, versions and aliases, and cancels its unfinished jobs.
     ///
     /// False when there was none.
-    async fn delete_database(&self, name: &str) -> Result<bool, CatalogueError>;
+    async fn delete_database(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError>;
 
     /// Counts what a database holds. Errors: `NotFound`.
     async fn database_counts(&self, name: &str) -> Result<DatabaseCounts, CatalogueError>;
@@ -414,10 +467,15 @@ pub trait Catalogue: Send + Sync + 'static {
     ) -> Result<Vec<ExemplarRow>, CatalogueError>;
 
     /// Deletes one exemplar; false when there was none.
-    async fn delete_exemplar(&self, database: &str, id: Uuid) -> Result<bool, CatalogueError>;
+    async fn delete_exemplar(&self, database: &str, id: Uuid, by: &Actor) -> Result<bool, CatalogueError>;
 
     /// Deletes the exemplars that match, and counts them. Errors: `EmptyFilter`.
-    async fn delete_exemplars(&self, database: &str, filter: &ExemplarFilter) -> Result<u64, CatalogueError>;
+    async fn delete_exemplars(
+        &self,
+        database: &str,
+        filter: &ExemplarFilter,
+        by: &Actor,
+    ) -> Result<u64, CatalogueError>;
 
     /// Every exemplar of a database as of one moment, by label, then id.
     async fn training_set(&self, database: &str) -> Result<Vec<ExemplarRow>, CatalogueError>;
@@ -433,6 +491,10 @@ pub trait Catalogue: Send + Sync + 'static {
     /// The version of that number.
     async fn version(&self, database: &str, version: i64) -> Result<Option<VersionRow>, CatalogueError>;
 
+    /// Those of these databases' versions that are there, with their digests.
+    async fn digests(&self, versions: &[(String, i64)])
+    -> Result<Vec<(String, i64, String)>, CatalogueError>;
+
     /// The version made from these inputs.
     async fn version_by_digest(
         &self,
@@ -443,10 +505,14 @@ pub trait Catalogue: Send + Sync + 'static {
     /// Adds a version under the next number, or gives the existing one of that digest unchanged, with `false`.
     ///
     /// Its blob must be stored before. Errors: `NotFound` for the database.
-    async fn insert_version(&self, new: &NewVersion) -> Result<(VersionRow, bool), CatalogueError>;
+    async fn insert_version(
+        &self,
+        new: &NewVersion,
+        by: &Actor,
+    ) -> Result<(VersionRow, bool), CatalogueError>;
 
     /// Deletes a version; false when there was none. Errors: `Conflict` while an alias points to it.
-    async fn delete_version(&self, database: &str, version: i64) -> Result<bool, CatalogueError>;
+    async fn delete_version(&self, database: &str, version: i64, by: &Actor) -> Result<bool, CatalogueError>;
 
     /// The aliases of a database, by name.
     async fn aliases(&self, database: &str) -> Result<Vec<AliasRow>, CatalogueError>;
@@ -463,6 +529,7 @@ pub trait Catalogue: Send + Sync + 'static {
         alias: &str,
         version: i64,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<(AliasRow, bool), CatalogueError>;
 
     /// Deletes an alias; false when there was none and `expected` allows it.
@@ -473,6 +540,7 @@ pub trait Catalogue: Send + Sync + 'static {
         database: &str,
         alias: &str,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<bool, CatalogueError>;
 
     /// Creates the calibration of that name, or replaces its document, if it is at the revision `expected`; none
@@ -482,6 +550,7 @@ pub trait Catalogue: Send + Sync + 'static {
         name: &str,
         document: &str,
         expected: Option<i64>,
+        by: &Actor,
     ) -> Result<CalibrationRow, CatalogueError>;
 
     /// The calibration of that name.
@@ -495,7 +564,7 @@ pub trait Catalogue: Send + Sync + 'static {
     ) -> Result<Vec<CalibrationRow>, CatalogueError>;
 
     /// Deletes a calibration and cancels its unfinished jobs; false when there was none.
-    async fn delete_calibration(&self, name: &str) -> Result<bool, CatalogueError>;
+    async fn delete_calibration(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError>;
 
     /// Adds a job about a calibration to the queue, with the blobs that it will read: they count as named until it
     /// has ended, and must be stored before. Errors: `NotFound` for the calibration.
@@ -505,6 +574,7 @@ pub trait Catalogue: Send + Sync + 'static {
         calibration: &str,
         params: &str,
         blobs: &[String],
+        by: &Actor,
     ) -> Result<JobRow, CatalogueError>;
 
     /// Ends a job with what it found out about its calibration: the document, if that is still at the revision
@@ -520,7 +590,12 @@ pub trait Catalogue: Send + Sync + 'static {
     ) -> Result<CalibrationRow, CatalogueError>;
 
     /// Creates the workcell of that name, with `true`, or replaces its document.
-    async fn put_workcell(&self, name: &str, document: &str) -> Result<(WorkcellRow, bool), CatalogueError>;
+    async fn put_workcell(
+        &self,
+        name: &str,
+        document: &str,
+        by: &Actor,
+    ) -> Result<(WorkcellRow, bool), CatalogueError>;
 
     /// The workcell of that name.
     async fn workcell(&self, name: &str) -> Result<Option<WorkcellRow>, CatalogueError>;
@@ -529,10 +604,16 @@ pub trait Catalogue: Send + Sync + 'static {
     async fn workcells(&self, after: Option<&str>, limit: u32) -> Result<Vec<WorkcellRow>, CatalogueError>;
 
     /// Deletes a workcell; false when there was none.
-    async fn delete_workcell(&self, name: &str) -> Result<bool, CatalogueError>;
+    async fn delete_workcell(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError>;
 
     /// Adds a job about a database to the queue. Errors: `NotFound` for the database.
-    async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError>;
+    async fn enqueue_job(
+        &self,
+        kind: &str,
+        database: &str,
+        params: &str,
+        by: &Actor,
+    ) -> Result<JobRow, CatalogueError>;
 
     /// The job of that id.
     async fn job(&self, id: Uuid) -> Result<Option<JobRow>, CatalogueError>;
@@ -602,7 +683,7 @@ pub trait Catalogue: Send + Sync + 'static {
     /// Asks a job to end: a queued one is cancelled at once, a running one is flagged, a finished one stays.
     ///
     /// None when there is no such job.
-    async fn request_cancel(&self, id: Uuid) -> Result<Option<JobRow>, CatalogueError>;
+    async fn request_cancel(&self, id: Uuid, by: &Actor) -> Result<Option<JobRow>, CatalogueError>;
 
     /// Puts a worker's running jobs back into the queue, the attempt not counted; gives their number.
     ///
@@ -629,11 +710,35 @@ pub trait Catalogue: Send + Sync + 'static {
     /// The processes that told of themselves not longer ago than `fresh`, by the time of their start.
     async fn processes(&self, fresh: Duration) -> Result<Vec<ProcessRow>, CatalogueError>;
 
-    /// True while an exemplar, a version or a job that hasn't ended names this blob.
-    async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError>;
+    /// Keeps a new key.
+    async fn insert_key(&self, new: &NewKey, by: &Actor) -> Result<KeyRow, CatalogueError>;
 
-    /// A number that grows soon after any process moved or deleted an alias, queued a job, asked one to end, or
-    /// deleted what jobs are about.
+    /// Every key that ever was, revoked ones too, the oldest first.
+    async fn keys(&self) -> Result<Vec<KeyRow>, CatalogueError>;
+
+    /// Ends a key, for good; false when it had ended, none when there is no such key.
+    async fn revoke_key(&self, id: &str, by: &Actor) -> Result<Option<bool>, CatalogueError>;
+
+    /// Notes when keys were last used.
+    async fn note_key_uses(&self, uses: &[(String, Timestamp)]) -> Result<(), CatalogueError>;
+
+    /// Entries of the audit record, the newest first; `before` is the oldest one seen.
+    async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Vec<AuditRow>, CatalogueError>;
+
+    /// Those of these blobs that an exemplar, a version or a job that hasn't ended names.
+    async fn blobs_referenced(&self, blobs: &[String]) -> Result<Vec<String>, CatalogueError>;
+
+    /// The turn to collect orphans, held until it is dropped; none while another process has it, or copies the
+    /// blobs.
+    async fn turn_to_collect(&self) -> Result<Option<Turn>, CatalogueError>;
+
+    /// A number that grows soon after any process moved or deleted an alias, made or revoked a key, queued a job, asked
+    /// one to end, or deleted what jobs are about.
     ///
     /// No more than a hint: it may grow for nothing, and says nothing while the catalogue can't be reached, so
     /// whoever waits for it looks now and then all the same. What happened before this call counts as seen.

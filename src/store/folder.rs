@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! <data-dir>/lock              locked as long as the process lives
+//! <data-dir>/collection        locked while orphans are collected, or blobs copied
 //! <data-dir>/catalogue.sqlite  rows (and its -wal and -shm beside it)
 //! <data-dir>/blobs/            bytes
+//! <data-dir>/quarantine/       blobs that were not what their names say
 //! ```
 
 use std::fs::{File, TryLockError};
@@ -32,6 +34,16 @@ pub enum OpenFolderError {
         path.display()
     )]
     InUse { path: PathBuf },
+    /// There are blobs, and no rows that name them.
+    #[error(
+        "the data folder {} has blobs, but its catalogue.sqlite is gone or empty: restore it from a backup, or choose \
+         another folder",
+        path.display()
+    )]
+    CatalogueLost { path: PathBuf },
+    /// Nothing was ever served there.
+    #[error("{} is no data folder: it has no catalogue.sqlite", path.display())]
+    Empty { path: PathBuf },
     /// The lock file can't be made or locked.
     #[error("cannot lock {}", path.display())]
     Lock {
@@ -80,6 +92,31 @@ impl FolderLock {
     }
 }
 
+/// Holds the collector of orphans off, or everybody who would hold it off; ends when it is dropped.
+#[derive(Debug)]
+pub struct CollectionLock {
+    _file: File,
+}
+
+impl CollectionLock {
+    /// To collect: nothing while somebody else collects or copies.
+    pub(super) fn alone(data_dir: &Path) -> io::Result<Option<Self>> {
+        let file = File::create(data_dir.join("collection"))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Some(Self { _file: file })),
+            Err(TryLockError::WouldBlock) => Ok(None),
+            Err(TryLockError::Error(source)) => Err(source),
+        }
+    }
+
+    /// To copy: waits until nobody collects.
+    pub(super) fn shared(data_dir: &Path) -> io::Result<Self> {
+        let file = File::create(data_dir.join("collection"))?;
+        file.lock_shared()?;
+        Ok(Self { _file: file })
+    }
+}
+
 /// Opens a data folder, creating it where needed, and holds it until the catalogue and the blobs are dropped.
 ///
 /// Errors say which file, why, and what to do; `InUse` when another process, or another call, holds the folder.
@@ -87,9 +124,14 @@ pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     create(data_dir).map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
     let lock = Arc::new(FolderLock::take(data_dir)?);
 
-    // Made before the catalogue, so a catalogue without blobs means that they were lost or are not mounted.
+    // Made before the catalogue, so a catalogue without blobs means that they were lost or are not mounted, and blobs
+    // without a catalogue that it was lost: they would all be orphans. A crash at the first start leaves an empty file.
     let new = !data_dir.join("catalogue.sqlite").exists();
     let path = data_dir.join("blobs");
+    let rows_bytes = std::fs::metadata(data_dir.join("catalogue.sqlite")).map_or(0, |file| file.len());
+    if rows_bytes == 0 && holds_folders(&path) {
+        return Err(OpenFolderError::CatalogueLost { path: data_dir.to_owned() });
+    }
     let blobs = match Blobs::in_folder(&path, new, lock.clone()).await {
         Ok(blobs) => blobs,
         Err(source) => return Err(OpenFolderError::Blobs { path, source }),
@@ -106,6 +148,32 @@ pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     Ok(Folder { catalogue, blobs })
 }
 
+/// Opens a data folder beside a process that may be serving it: without its lock, and with its tables as they are.
+///
+/// Blobs that another process may be writing are left alone. Errors: one of a newer or older release is refused,
+/// and nothing is created.
+pub async fn open_beside(data_dir: &Path) -> Result<Folder, OpenFolderError> {
+    let path = data_dir.join("catalogue.sqlite");
+    if !path.exists() {
+        return Err(OpenFolderError::Empty { path: data_dir.to_owned() });
+    }
+    let catalogue = match SqliteCatalogue::open_beside(&path).await {
+        Ok(catalogue) => Arc::new(catalogue),
+        Err(source) => return Err(OpenFolderError::Catalogue { path, source }),
+    };
+    let path = data_dir.join("blobs");
+    let blobs = match Blobs::beside(&path).await {
+        Ok(blobs) => blobs,
+        Err(source) => return Err(OpenFolderError::Blobs { path, source }),
+    };
+    Ok(Folder { catalogue, blobs })
+}
+
+/// Whether a blob was ever put there: each has a folder for the beginning of its name.
+fn holds_folders(blobs: &Path) -> bool {
+    std::fs::read_dir(blobs).is_ok_and(|entries| entries.flatten().any(|entry| entry.path().is_dir()))
+}
+
 fn create(data_dir: &Path) -> io::Result<()> {
     if data_dir.is_dir() {
         return Ok(());
@@ -118,13 +186,13 @@ fn create(data_dir: &Path) -> io::Result<()> {
 }
 
 #[cfg(unix)]
-fn sync_directory(directory: &Path) -> io::Result<()> {
+pub(super) fn sync_directory(directory: &Path) -> io::Result<()> {
     File::open(directory)?.sync_all()
 }
 
 /// Elsewhere than on Unix a folder can't be opened for syncing.
 #[cfg(not(unix))]
-fn sync_directory(_directory: &Path) -> io::Result<()> {
+pub(super) fn sync_directory(_directory: &Path) -> io::Result<()> {
     Ok(())
 }
 
@@ -133,7 +201,7 @@ mod tests {
     use std::error::Error;
 
     use super::*;
-    use crate::store::suite::{self, catalogue_suite};
+    use crate::store::suite::{self, by, catalogue_suite};
     use crate::store::{AliasExpectation, BlobName, NewVersion};
 
     async fn empty() -> (Arc<dyn Catalogue>, (tempfile::TempDir, Blobs)) {
@@ -175,11 +243,11 @@ mod tests {
 
         let folder = open_folder(&data_dir).await.unwrap();
         let blob = folder.blobs.put("artifact".into()).await.unwrap();
-        folder.catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
-        let (version, _) = folder.catalogue.insert_version(&artifact(blob)).await.unwrap();
+        folder.catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+        let (version, _) = folder.catalogue.insert_version(&artifact(blob), by()).await.unwrap();
         let any = AliasExpectation::Any;
-        let (alias, _) = folder.catalogue.set_alias("lab", "current", 1, any).await.unwrap();
-        let job = folder.catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        let (alias, _) = folder.catalogue.set_alias("lab", "current", 1, any, by()).await.unwrap();
+        let job = folder.catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
         drop(folder);
 
         let folder = open_folder(&data_dir).await.unwrap();
@@ -250,6 +318,57 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn blobs_without_a_catalogue_are_not_taken_for_orphans() {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = open_folder(directory.path()).await.unwrap();
+        folder.blobs.put("picture".into()).await.unwrap();
+        drop(folder);
+        let catalogue = directory.path().join("catalogue.sqlite");
+        // The last connection to end writes the log into the file, and takes it away.
+        while directory.path().join("catalogue.sqlite-wal").exists() {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        let lost = async || {
+            let refused = once_free(directory.path()).await.err().unwrap();
+            assert!(matches!(refused, OpenFolderError::CatalogueLost { .. }), "{refused:?}");
+            assert!(refused.to_string().contains("restore it from a backup"), "{refused}");
+        };
+        std::fs::write(&catalogue, "").unwrap();
+        lost().await;
+        std::fs::remove_file(&catalogue).unwrap();
+        lost().await;
+    }
+
+    #[tokio::test]
+    async fn a_catalogue_damaged_in_its_midst_is_refused_with_what_to_do() {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = open_folder(directory.path()).await.unwrap();
+        for number in 0..200 {
+            folder
+                .catalogue
+                .create_database(&format!("lab-{number}"), "landmarks", "{}", by())
+                .await
+                .unwrap();
+        }
+        drop(folder);
+        let path = directory.path().join("catalogue.sqlite");
+        drop(once_free(directory.path()).await.unwrap());
+        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(&path);
+        let pool = sqlx::SqlitePool::connect_with(options).await.unwrap();
+        sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(&pool).await.unwrap();
+        pool.close().await;
+        let mut bytes = std::fs::read(&path).unwrap();
+        for page in bytes.chunks_mut(4096).skip(1) {
+            page[..64].fill(0x55);
+        }
+        std::fs::write(&path, bytes).unwrap();
+        let refused = once_free(directory.path()).await.err().unwrap();
+        let OpenFolderError::Catalogue { source, .. } = refused else { panic!("{refused:?}") };
+        assert!(matches!(source, OpenCatalogueError::Damaged { .. }), "{source:?}");
+        assert!(source.to_string().contains("restore"), "{source}");
+    }
+
+    #[tokio::test]
     async fn a_catalogue_of_a_newer_release_is_refused() {
         let directory = tempfile::tempdir().unwrap();
         drop(open_folder(directory.path()).await.unwrap());
@@ -268,6 +387,45 @@ mod tests {
         let refused = open_folder(directory.path()).await.err().unwrap();
         let OpenFolderError::Catalogue { source, .. } = refused else { panic!("{refused:?}") };
         assert!(matches!(source, OpenCatalogueError::Newer { migration: 9000 }), "{source:?}");
+    }
+
+    #[tokio::test]
+    async fn a_folder_is_opened_beside_the_process_that_serves_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let refused = open_beside(directory.path()).await.err().unwrap();
+        assert!(matches!(refused, OpenFolderError::Empty { .. }), "{refused:?}");
+        let served = open_folder(directory.path()).await.unwrap();
+        let blob = served.blobs.put("picture".into()).await.unwrap();
+        let beside = open_beside(directory.path()).await.unwrap();
+        beside.catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+        assert!(served.catalogue.database("lab").await.unwrap().is_some());
+        assert_eq!(beside.blobs.get(&blob, 7).await.unwrap(), "picture");
+        drop(served);
+        // It holds no lock.
+        once_free(directory.path()).await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn beside_another_process_only_tables_of_this_release_are_taken_and_none_is_changed() {
+        let directory = tempfile::tempdir().unwrap();
+        drop(open_folder(directory.path()).await.unwrap());
+        let path = directory.path().join("catalogue.sqlite");
+        let pool = sqlx::SqlitePool::connect_with(sqlx::sqlite::SqliteConnectOptions::new().filename(path))
+            .await
+            .unwrap();
+        for (statement, is_refused) in [
+            ("UPDATE _sqlx_migrations SET version = 9000 WHERE version = 2", true),
+            ("UPDATE _sqlx_migrations SET version = 2 WHERE version = 9000", false),
+            ("DELETE FROM _sqlx_migrations WHERE version = 2", true),
+        ] {
+            sqlx::query(statement).execute(&pool).await.unwrap();
+            assert_eq!(open_beside(directory.path()).await.is_err(), is_refused, "{statement}");
+        }
+        let left: i64 = sqlx::query_scalar("SELECT count(*) FROM _sqlx_migrations WHERE version = 2")
+            .fetch_one(&pool)
+            .await
+            .unwrap();
+        assert_eq!(left, 0);
     }
 
     #[cfg(unix)]

@@ -5,6 +5,8 @@
 //! transaction. A crash leaves at most an orphan blob, which `Blobs::collect_orphans` removes by age.
 //! This is the only room that knows `sqlx` and `object_store`, and the only one that touches the disk.
 
+mod audit;
+mod backup;
 mod blobs;
 mod bucket;
 mod cache;
@@ -12,6 +14,7 @@ mod catalogue;
 mod folder;
 mod job_end;
 mod open;
+mod outage;
 mod postgres;
 mod row;
 mod sqlite;
@@ -22,13 +25,16 @@ mod suite;
 #[path = "../../tests/fleet/bucket.rs"]
 mod test_bucket;
 
-pub use blobs::{BlobError, BlobName, Blobs};
+pub use audit::{Actor, AuditFilter, AuditRow};
+pub use backup::{Backup, BackupError, back_up, catalogue_faults};
+pub use blobs::{BlobError, BlobName, Blobs, Collected};
 pub use bucket::{OpenBucketError, open_bucket};
 pub use catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
-    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion,
-    ProcessRow, Progress, Renewal, UnknownJobState, VersionRow, WorkcellRow,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, KeyRow, NewKey,
+    NewVersion, ProcessRow, Progress, Renewal, Turn, UnknownJobState, VersionRow, WorkcellRow,
 };
-pub use folder::{Folder, OpenFolderError, open_folder};
+pub use folder::{Folder, OpenFolderError, open_beside, open_folder};
 pub use open::OpenCatalogueError;
+pub use outage::outage;
 pub use postgres::open_postgres;

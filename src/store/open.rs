@@ -2,6 +2,8 @@
 
 use sqlx::migrate::MigrateError;
 
+use super::row::is_damage;
+
 /// PostgreSQL's codes for a server that is starting, stopping, full, fenced off or read-only for now.
 const AWAY_CLASSES: [&str; 3] = ["08", "53", "57"];
 const AWAY_CODES: [&str; 2] = ["25006", "55P03"];
@@ -17,6 +19,12 @@ pub enum OpenCatalogueError {
     /// It can't be opened, created or read.
     #[error("it cannot be opened")]
     Open(#[source] sqlx::Error),
+    /// The file isn't a whole catalogue.
+    #[error("it is damaged: restore the folder from a backup")]
+    Damaged {
+        #[source]
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// PostgreSQL isn't there, or can't serve now: the only one that may heal by itself.
     #[error("PostgreSQL cannot be reached now")]
     Unavailable(#[source] sqlx::Error),
@@ -36,12 +44,32 @@ pub enum OpenCatalogueError {
         "it was written by a newer release (migration {migration}): run that release, or restore a backup"
     )]
     Newer { migration: i64 },
+    /// It lacks a migration of this program, and isn't to be changed here.
+    #[error(
+        "it was written by an older release (migration {migration} is missing): serve it once with this one"
+    )]
+    Older { migration: i64 },
     /// Bringing the tables up to date failed.
     #[error("its tables cannot be brought up to date")]
     Migrate(#[source] MigrateError),
 }
 
 impl OpenCatalogueError {
+    /// What it means that SQLite didn't open.
+    pub(super) fn of_sqlite(error: sqlx::Error) -> Self {
+        if is_damage(&error) { Self::Damaged { source: error.into() } } else { Self::Open(error) }
+    }
+
+    /// What it means that SQLite's tables weren't brought up to date.
+    pub(super) fn of_sqlite_migration(error: MigrateError) -> Self {
+        match error {
+            MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) if is_damage(&error) => {
+                Self::Damaged { source: error.into() }
+            }
+            other => other.into(),
+        }
+    }
+
     /// What it means that PostgreSQL didn't open.
     pub(super) fn of_postgres(error: sqlx::Error) -> Self {
         let code = match &error {

@@ -4,14 +4,20 @@
 use jiff::Timestamp;
 use sqlx::error::{DatabaseError, ErrorKind};
 use sqlx::postgres::PgDatabaseError;
+use sqlx::sqlite::SqliteError;
 use sqlx::{ColumnIndex, Decode, Row, Type};
 
 use super::CatalogueError;
 
+/// SQLite's primary result code for a file that can't be written.
+pub const SQLITE_READ_ONLY: i64 = 8;
 /// SQLite's primary result codes for a file that is damaged or isn't a database.
 const DAMAGED_FILE: [i64; 2] = [11, 26];
 /// PostgreSQL's codes for damaged tables and indexes.
 const DAMAGED_TABLE: [&str; 2] = ["XX001", "XX002"];
+/// PostgreSQL's codes for a statement that doesn't fit the tables, and, among them, for one that isn't allowed.
+const MISFIT_CLASS: &str = "42";
+const NO_RIGHTS: &str = "42501";
 /// PostgreSQL's codes for a character that it, or the encoding its database was made with, can't keep.
 const NO_SUCH_CHARACTER: [&str; 2] = ["22021", "22P05"];
 
@@ -19,8 +25,9 @@ impl From<sqlx::Error> for CatalogueError {
     /// Tells what may heal by itself (away, busy, disk full) from what never will.
     fn from(error: sqlx::Error) -> Self {
         let what = match &error {
-            sqlx::Error::Database(reported) if is_damage(reported.as_ref()) => {
-                "what is on the disk is damaged"
+            error if is_damage(error) => "what is on the disk is damaged",
+            sqlx::Error::Database(reported) if is_misfit(reported.as_ref()) => {
+                "its tables are not what this release expects"
             }
             sqlx::Error::Database(reported) if reported.kind() != ErrorKind::Other => {
                 "a row breaks a constraint"
@@ -46,13 +53,33 @@ pub fn is_postgres(reported: &dyn DatabaseError, codes: &[&str]) -> bool {
     reported.try_downcast_ref::<PgDatabaseError>().is_some_and(|reported| codes.contains(&reported.code()))
 }
 
-fn is_damage(reported: &dyn DatabaseError) -> bool {
+/// Whether the database found its own files damaged.
+pub fn is_damage(error: &sqlx::Error) -> bool {
+    let sqlx::Error::Database(reported) = error else { return false };
+    let reported = reported.as_ref();
     if reported.try_downcast_ref::<PgDatabaseError>().is_some() {
         return is_postgres(reported, &DAMAGED_TABLE);
     }
-    // The low byte of SQLite's extended result code is the primary one.
-    let code = reported.code().and_then(|code| code.parse::<i64>().ok()).map(|code| code & 0xff);
-    code.is_some_and(|code| DAMAGED_FILE.contains(&code))
+    sqlite_code(reported).is_some_and(|code| DAMAGED_FILE.contains(&code))
+}
+
+/// Whether SQLite has the file open for reading only.
+pub fn is_read_only(error: &sqlx::Error) -> bool {
+    let sqlx::Error::Database(reported) = error else { return false };
+    sqlite_code(reported.as_ref()) == Some(SQLITE_READ_ONLY)
+}
+
+/// SQLite's primary result code: the low byte of the extended one.
+pub fn sqlite_code(reported: &dyn DatabaseError) -> Option<i64> {
+    reported.try_downcast_ref::<SqliteError>()?;
+    reported.code()?.parse::<i64>().ok().map(|code| code & 0xff)
+}
+
+/// Whether PostgreSQL finds a statement wrong: no waiting mends that. Rights may be given back.
+fn is_misfit(reported: &dyn DatabaseError) -> bool {
+    reported
+        .try_downcast_ref::<PgDatabaseError>()
+        .is_some_and(|reported| reported.code().starts_with(MISFIT_CLASS) && reported.code() != NO_RIGHTS)
 }
 
 /// An unsigned size as a column holds it; nothing that fits a disk saturates.

@@ -15,7 +15,13 @@ pub use distance::Distance;
 pub use inspection::{Inspection, Part, Stage, inspect};
 pub use mapping::{Correspondence, Mapping, MappingError, MappingKind};
 
+use crate::vision::OptionFault;
 use crate::vision::segmentation::SegmentationOptions;
+
+/// The largest tolerance.
+const MAX_TOLERANCE_PX: f64 = 1000.0;
+/// The largest scale and turn of a local camera.
+const MAX_LOCAL: LocalCamera = LocalCamera { mm_per_px: 1e6, rotation_deg: 360.0 };
 
 /// What is known of a workcell, beside the database that names its parts.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,4 +36,24 @@ pub struct Workcell {
     pub tolerance_px: f64,
     /// Of both cameras' pictures.
     pub segmentation: SegmentationOptions,
+}
+
+/// What can't be, of what stands beside the mapping and the segmentation, which are judged by their own rooms.
+pub fn faults(local: Option<LocalCamera>, tolerance_px: f64) -> Vec<OptionFault> {
+    let mut faults = Vec::new();
+    let mut fault = |option, message| faults.push(OptionFault { option, message });
+    if !(0.0..=MAX_TOLERANCE_PX).contains(&tolerance_px) {
+        fault("tolerance_px", format!("{tolerance_px} is not in 0..={MAX_TOLERANCE_PX}"));
+    }
+    if let Some(LocalCamera { mm_per_px, rotation_deg }) = local {
+        let most = MAX_LOCAL;
+        if !(mm_per_px > 0.0 && mm_per_px <= most.mm_per_px) {
+            let message = format!("{mm_per_px} is not above 0, and at most {}", most.mm_per_px);
+            fault("local/mm_per_px", message);
+        }
+        if !(-most.rotation_deg..=most.rotation_deg).contains(&rotation_deg) {
+            fault("local/rotation_deg", format!("{rotation_deg} is not within ±{}", most.rotation_deg));
+        }
+    }
+    faults
 }

@@ -265,6 +265,7 @@ mod tests {
     use crate::recognition::landmarks::{
         ExemplarName, LandmarkOptions, Landmarks, Method, Rehearsed, Viewpoint, describe,
     };
+    use proptest::prelude::*;
     use serde_json::{Value, json};
     use uuid::Uuid;
 
@@ -397,8 +398,53 @@ mod tests {
     #[test]
     fn a_file_cut_off_anywhere_is_refused() {
         let file = write(&artifact());
-        for length in (0..file.len()).step_by(97) {
+        for length in 0..file.len() {
             assert!(read(&file[..length]).is_err(), "cut off after {length} bytes");
+        }
+    }
+
+    /// A number that some part may not expect.
+    fn number() -> impl Strategy<Value = [u8; 4]> {
+        let odd = [f32::NAN, f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, -1.0, 0.0].map(f32::to_le_bytes);
+        prop_oneof![
+            proptest::sample::select(odd.to_vec()),
+            any::<f32>().prop_map(f32::to_le_bytes),
+            any::<[u8; 4]>()
+        ]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        /// The checksum is right and what it covers is wrong: refused, or a version that recognises.
+        #[test]
+        fn whatever_the_tensors_hold_is_refused_or_of_use(
+            edits in proptest::collection::vec((any::<usize>(), any::<usize>(), number()), 1..4),
+            rows in proptest::option::of((any::<usize>(), 0_usize..40)),
+        ) {
+            static TRAINED: std::sync::LazyLock<Artifact> = std::sync::LazyLock::new(artifact);
+            let changed = changed(&TRAINED, |(_, tensors)| {
+                for (tensor, at, value) in &edits {
+                    let count = tensors.len();
+                    let bytes = &mut tensors[tensor % count].3;
+                    let words = bytes.len() / 4;
+                    if let Some(word) = at.checked_rem(words) {
+                        bytes[4 * word..4 * word + 4].copy_from_slice(value);
+                    }
+                }
+                if let Some((tensor, rows)) = rows {
+                    let count = tensors.len();
+                    let (_, _, shape, bytes) = &mut tensors[tensor % count];
+                    if let Some(row_bytes) = bytes.len().checked_div(shape[0]) {
+                        shape[0] = rows;
+                        bytes.resize(rows * row_bytes, 0);
+                    }
+                }
+            });
+            if let Ok(Artifact { model: Model::Landmarks(model), .. }) = changed {
+                let frame = Frame::gray(Image::from_fn(40, 40, |x, y| ((x * 7 + y * 13) % 256) as f32));
+                model.recognise(&frame, |_| ());
+            }
         }
     }
 

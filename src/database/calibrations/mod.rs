@@ -13,7 +13,7 @@ pub use document::UnreadableCalibration;
 
 use super::{DatabaseError, Databases, Name};
 use crate::depth::{Calibration, Optics};
-use crate::store::{CalibrationRow, CatalogueError};
+use crate::store::{Actor, CalibrationRow, CatalogueError};
 
 /// A calibration under its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,12 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::CalibrationChanged`] when others keep changing it.
-    pub async fn put_rig(&self, name: &Name, optics: &Optics) -> Result<(Rig, bool), DatabaseError> {
+    pub async fn put_rig(
+        &self,
+        name: &Name,
+        optics: &Optics,
+        by: &Actor,
+    ) -> Result<(Rig, bool), DatabaseError> {
         for _ in 0..PUT_ATTEMPTS {
             let before = self.catalogue.calibration(name.as_str()).await?;
             let revision = before.as_ref().map(|row| row.revision);
@@ -67,7 +72,7 @@ impl Databases {
                 return Ok((rig, false));
             }
             let document = document::text(&Calibration::of(*optics));
-            match self.catalogue.put_calibration(name.as_str(), &document, revision).await {
+            match self.catalogue.put_calibration(name.as_str(), &document, revision, by).await {
                 Ok(row) => return Ok((row.try_into()?, revision.is_none())),
                 Err(CatalogueError::PreconditionFailed) => {}
                 Err(error) => return Err(error.into()),
@@ -97,8 +102,8 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::UnknownCalibration`].
-    pub async fn delete_rig(&self, name: &Name) -> Result<(), DatabaseError> {
-        if self.catalogue.delete_calibration(name.as_str()).await? {
+    pub async fn delete_rig(&self, name: &Name, by: &Actor) -> Result<(), DatabaseError> {
+        if self.catalogue.delete_calibration(name.as_str(), by).await? {
             return Ok(());
         }
         Err(DatabaseError::UnknownCalibration { calibration: name.to_string() })
@@ -108,9 +113,14 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::CalibrationChanged`] when it isn't as it was then, or is gone.
-    pub async fn update_rig(&self, rig: &Rig, calibration: &Calibration) -> Result<Rig, DatabaseError> {
+    pub async fn update_rig(
+        &self,
+        rig: &Rig,
+        calibration: &Calibration,
+        by: &Actor,
+    ) -> Result<Rig, DatabaseError> {
         let document = document::text(calibration);
-        match self.catalogue.put_calibration(&rig.name, &document, Some(rig.revision)).await {
+        match self.catalogue.put_calibration(&rig.name, &document, Some(rig.revision), by).await {
             Ok(row) => row.try_into(),
             Err(CatalogueError::PreconditionFailed) => {
                 Err(DatabaseError::CalibrationChanged { calibration: rig.name.clone() })

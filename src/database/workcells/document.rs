@@ -10,7 +10,7 @@ use crate::database::Name;
 use crate::database::options::words;
 use crate::vision::OptionFault;
 use crate::vision::segmentation::{Polarity, SegmentationOptions, Threshold};
-use crate::workcell::{Correspondence, LocalCamera, Mapping, MappingError, MappingKind, Workcell};
+use crate::workcell::{self, Correspondence, LocalCamera, Mapping, MappingError, MappingKind, Workcell};
 
 /// The kept document can't be read back.
 #[derive(Debug, thiserror::Error)]
@@ -20,8 +20,8 @@ pub enum UnreadableWorkcell {
         #[source]
         source: serde_json::Error,
     },
-    #[error("its segmentation can't be: {}", .faults.iter().map(OptionFault::to_string).collect::<Vec<_>>().join("; "))]
-    Segmentation { faults: Vec<OptionFault> },
+    #[error("what it says can't be: {}", .faults.iter().map(OptionFault::to_string).collect::<Vec<_>>().join("; "))]
+    Impossible { faults: Vec<OptionFault> },
     #[error("its correspondences make no mapping")]
     Mapping {
         #[source]
@@ -106,9 +106,12 @@ pub(super) fn read(text: &str) -> Result<WorkcellSetup, UnreadableWorkcell> {
     let mapping = Mapping::fit(&correspondences, Some(document.mapping.into()), document.flip_y)
         .map_err(|source| UnreadableWorkcell::Mapping { source })?;
     let segmentation = SegmentationOptions::from(document.segmentation);
-    let faults = segmentation.faults();
+    let local = (document.local)
+        .map(|local| LocalCamera { mm_per_px: local.mm_per_px, rotation_deg: local.rotation_deg });
+    let mut faults = segmentation.faults();
+    faults.extend(workcell::faults(local, document.tolerance_px));
     if !faults.is_empty() {
-        return Err(UnreadableWorkcell::Segmentation { faults });
+        return Err(UnreadableWorkcell::Impossible { faults });
     }
     Ok(WorkcellSetup {
         database: name(document.database)?,
@@ -117,9 +120,7 @@ pub(super) fn read(text: &str) -> Result<WorkcellSetup, UnreadableWorkcell> {
         workcell: Workcell {
             mapping,
             flip_y: document.flip_y,
-            local: document
-                .local
-                .map(|local| LocalCamera { mm_per_px: local.mm_per_px, rotation_deg: local.rotation_deg }),
+            local,
             tolerance_px: document.tolerance_px,
             segmentation,
         },
@@ -254,8 +255,15 @@ mod tests {
     fn what_cannot_be_used_is_told_apart() {
         let impossible = SegmentationOptions { max_objects: 0, ..Default::default() };
         let error = read(&text(&setup(impossible))).unwrap_err();
-        assert!(matches!(error, UnreadableWorkcell::Segmentation { .. }), "{error}");
+        assert!(matches!(error, UnreadableWorkcell::Impossible { .. }), "{error}");
         assert!(error.to_string().contains("max_objects"), "{error}");
+        let mut wild = setup(SegmentationOptions::default());
+        wild.workcell.tolerance_px = -1.0;
+        wild.workcell.local = Some(LocalCamera { mm_per_px: 0.0, rotation_deg: 1e9 });
+        let error = read(&text(&wild)).unwrap_err();
+        for member in ["tolerance_px", "local/mm_per_px", "local/rotation_deg"] {
+            assert!(error.to_string().contains(member), "{error}");
+        }
         let mut too_few = setup(SegmentationOptions::default());
         too_few.correspondences.truncate(3);
         let error = read(&text(&too_few)).unwrap_err();

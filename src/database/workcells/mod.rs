@@ -7,7 +7,7 @@ use jiff::Timestamp;
 pub use document::UnreadableWorkcell;
 
 use super::{DatabaseError, Databases, Kind, Name};
-use crate::store::WorkcellRow;
+use crate::store::{Actor, WorkcellRow};
 use crate::workcell::{Correspondence, Workcell};
 
 /// What is said of a workcell.
@@ -53,6 +53,7 @@ impl Databases {
         &self,
         name: &Name,
         setup: &WorkcellSetup,
+        by: &Actor,
     ) -> Result<(KeptWorkcell, bool), DatabaseError> {
         let database = self.get(&setup.database).await?;
         if database.kind != Kind::Objects.as_str() {
@@ -63,7 +64,7 @@ impl Databases {
             self.rig(calibration).await?;
         }
         let document = document::text(setup);
-        let (row, created) = self.catalogue.put_workcell(name.as_str(), &document).await?;
+        let (row, created) = self.catalogue.put_workcell(name.as_str(), &document, by).await?;
         // As it is read from now on.
         Ok((row.try_into()?, created))
     }
@@ -93,8 +94,8 @@ impl Databases {
     ///
     /// # Errors
     /// [`DatabaseError::UnknownWorkcell`].
-    pub async fn delete_workcell(&self, name: &Name) -> Result<(), DatabaseError> {
-        if self.catalogue.delete_workcell(name.as_str()).await? {
+    pub async fn delete_workcell(&self, name: &Name, by: &Actor) -> Result<(), DatabaseError> {
+        if self.catalogue.delete_workcell(name.as_str(), by).await? {
             return Ok(());
         }
         Err(DatabaseError::UnknownWorkcell { workcell: name.to_string() })

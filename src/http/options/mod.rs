@@ -9,7 +9,9 @@ mod segmentation;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use utoipa::ToSchema;
+use utoipa::openapi::schema::AnyOfBuilder;
+use utoipa::openapi::{Ref, RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
 pub use depth::{DepthMethodWord, DepthOptionsBody, WindowBody};
 pub use landmarks::LandmarkOptionsBody;
@@ -22,11 +24,31 @@ use crate::database::Options;
 use crate::recognition::OptionFault;
 
 /// Options of a database, by its kind.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 pub enum OptionsBody {
     Landmarks(LandmarkOptionsBody),
     Objects(ObjectOptionsBody),
+}
+
+/// Any of both: with no member at all it is both, so that `oneOf`, which is derived, would refuse it.
+impl PartialSchema for OptionsBody {
+    fn schema() -> RefOr<Schema> {
+        let kinds = [LandmarkOptionsBody::name(), ObjectOptionsBody::name()];
+        let any = kinds
+            .iter()
+            .fold(AnyOfBuilder::new(), |any, kind| any.item(Ref::from_schema_name(kind.as_ref())));
+        any.description(Some("Options of a database, by its kind.")).into()
+    }
+}
+
+impl ToSchema for OptionsBody {
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        schemas.push((LandmarkOptionsBody::name().into(), LandmarkOptionsBody::schema()));
+        schemas.push((ObjectOptionsBody::name().into(), ObjectOptionsBody::schema()));
+        LandmarkOptionsBody::schemas(schemas);
+        ObjectOptionsBody::schemas(schemas);
+    }
 }
 
 impl From<&Options> for OptionsBody {

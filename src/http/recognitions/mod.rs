@@ -116,7 +116,7 @@ pub enum StagesBody {
 /// One item of a batch: a recognition, or the problem with that picture.
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(untagged)]
-pub enum BatchItem {
+pub enum RecognitionItem {
     Recognition(Box<RecognitionBody>),
     Failed { problem: ProblemBody },
 }
@@ -124,7 +124,7 @@ pub enum BatchItem {
 /// The answers to a batch, in the order of its pictures.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RecognitionBatch {
-    pub items: Vec<BatchItem>,
+    pub items: Vec<RecognitionItem>,
 }
 
 /// A form with several pictures.
@@ -288,7 +288,7 @@ pub(super) fn render(
 /// or candidates and pose); the headers `X-Version` and `X-Digest` say what answered.
 #[utoipa::path(
     post, operation_id = "recognise",
-    path = "/v1/databases/{database}/recognitions", tag = "recognition", params(DatabasePath, RecognitionQuery),
+    path = "/v1/databases/{database}/recognitions", tag = "recognition", security(("key" = ["recognise"])), params(DatabasePath, RecognitionQuery),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
@@ -323,7 +323,7 @@ pub async fn post(
 /// Recognise several frames: parts that are all called `image`. One bad picture never loses the rest.
 #[utoipa::path(
     post, operation_id = "recognise_batch",
-    path = "/v1/databases/{database}/recognitions:batch", tag = "recognition",
+    path = "/v1/databases/{database}/recognitions:batch", tag = "recognition", security(("key" = ["recognise"])),
     params(DatabasePath, RecognitionQuery),
     request_body(content = ImagesForm, content_type = "multipart/form-data"),
     responses((status = 200, body = RecognitionBatch))
@@ -371,9 +371,9 @@ pub async fn post_batch(
     Ok(Json(RecognitionBatch { items }))
 }
 
-fn item(done: Result<RecognitionBody, Problem>) -> BatchItem {
+fn item(done: Result<RecognitionBody, Problem>) -> RecognitionItem {
     match done {
-        Ok(body) => BatchItem::Recognition(Box::new(body)),
-        Err(problem) => BatchItem::Failed { problem: problem.into() },
+        Ok(body) => RecognitionItem::Recognition(Box::new(body)),
+        Err(problem) => RecognitionItem::Failed { problem: problem.into() },
     }
 }

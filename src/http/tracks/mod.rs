@@ -277,7 +277,8 @@ fn order_warning(track: &Track) -> Option<&'static str> {
 /// them, until they are deleted or no frame comes for ten minutes.
 #[utoipa::path(
     post, operation_id = "begin_track",
-    path = "/v1/databases/{database}/tracks", tag = "recognition", params(DatabasePath), request_body = NewTrack,
+    path = "/v1/databases/{database}/tracks", tag = "recognition", security(("key" = ["recognise"])), params(DatabasePath),
+    request_body = Option<NewTrack>,
     responses((status = 201, body = TrackBody, description = "Begun", headers(("Location" = String))))
 )]
 pub async fn post(
@@ -315,7 +316,7 @@ pub async fn post(
 /// When the alias moves to another version, the track goes on with that one.
 #[utoipa::path(
     post, operation_id = "add_frame",
-    path = "/v1/databases/{database}/tracks/{id}/frames", tag = "recognition", params(TrackPath, FrameQuery),
+    path = "/v1/databases/{database}/tracks/{id}/frames", tag = "recognition", security(("key" = ["recognise"])), params(TrackPath, FrameQuery),
     request_body(
         description = "The picture, raw or as the part `image` of a form",
         content(
@@ -361,7 +362,7 @@ pub async fn post_frame(
 /// The live tracks of a database, in the order in which they began.
 #[utoipa::path(
     get, operation_id = "list_tracks",
-    path = "/v1/databases/{database}/tracks", tag = "recognition", params(DatabasePath, PageQuery),
+    path = "/v1/databases/{database}/tracks", tag = "recognition", security(("key" = ["recognise"])), params(DatabasePath, PageQuery),
     responses((status = 200, body = Page<TrackBody>))
 )]
 pub async fn list(
@@ -378,7 +379,7 @@ pub async fn list(
 /// One track with what is believed. Looking at it doesn't keep it alive.
 #[utoipa::path(
     get, operation_id = "get_track",
-    path = "/v1/databases/{database}/tracks/{id}", tag = "recognition", params(TrackPath, TrackQuery),
+    path = "/v1/databases/{database}/tracks/{id}", tag = "recognition", security(("key" = ["recognise"])), params(TrackPath, TrackQuery),
     responses((status = 200, body = TrackDetail))
 )]
 pub async fn get(
@@ -394,7 +395,7 @@ pub async fn get(
 /// End a track.
 #[utoipa::path(
     delete, operation_id = "end_track",
-    path = "/v1/databases/{database}/tracks/{id}", tag = "recognition", params(TrackPath),
+    path = "/v1/databases/{database}/tracks/{id}", tag = "recognition", security(("key" = ["recognise"])), params(TrackPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(

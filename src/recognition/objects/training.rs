@@ -424,6 +424,36 @@ mod tests {
     }
 
     #[test]
+    fn ten_thousand_identical_pictures_and_one_other_are_trained_or_refused_with_a_reason() {
+        let options = ObjectOptions { dimension: Dimension::Fixed(4), ..ObjectOptions::default() };
+        let canvas = Canvas::new(&options, (8, 8));
+        let flat = |level: f32| Frame::gray(Image::from_fn(8, 8, |_, _| level));
+        let alike = |level: f32| -> Vec<View> {
+            let appearance = canvas.appearance(&flat(level)).unwrap();
+            let label = |n: usize| format!("flat{}", n % 3);
+            let view = |n: usize| View {
+                id: n.to_string(),
+                label: label(n),
+                pose_deg: None,
+                appearance: appearance.clone(),
+            };
+            (0..10_000).map(view).collect()
+        };
+        let train = |views| Objects::train(views, &canvas, &options).map(|(model, _)| model);
+        assert_eq!(train(alike(120.0)).err(), Some(TrainingError::AllEqual));
+        assert_eq!(train(alike(255.0)).err(), Some(TrainingError::AllEqual));
+        // All black: nothing of it is an appearance.
+        assert_eq!(train(alike(0.0)).err(), Some(TrainingError::TooFew { views: 0 }));
+        let mut views = alike(120.0);
+        let slope = Frame::gray(Image::from_fn(8, 8, |x, _| 30.0 * x as f32));
+        views.push(view(&canvas, "slope", None, &slope));
+        let model = train(views).unwrap();
+        let nearest = |frame: &Frame| model.recognise(frame, |_| ()).unwrap().candidates[0].label.clone();
+        assert_eq!(nearest(&slope), "slope");
+        assert!(nearest(&flat(120.0)).starts_with("flat"));
+    }
+
+    #[test]
     fn a_label_with_one_view_stands_beside_others() {
         let options = ObjectOptions::default();
         let mut views = turntable(3, 15, &options);

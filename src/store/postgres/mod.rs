@@ -12,11 +12,13 @@
 //! weaker lock, which only keeps the database from being deleted. Every time is by the database's clock.
 
 mod aliases;
+mod audit;
 mod calibrations;
 mod databases;
 mod exemplars;
 mod hints;
 mod jobs;
+mod keys;
 mod processes;
 mod versions;
 mod workcells;
@@ -26,6 +28,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use async_trait::async_trait;
+use jiff::Timestamp;
+use serde_json::json;
 use sqlx::migrate::Migrator;
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool, PgPoolOptions};
 use sqlx::{ConnectOptions, Connection, Postgres, Transaction};
@@ -33,10 +37,11 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 use uuid::Uuid;
 
+use super::audit::{Actor, AuditFilter, AuditRow, Entry, document as kept};
 use super::catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
-    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion,
-    ProcessRow, Progress, Renewal, VersionRow, WorkcellRow,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, KeyRow, NewKey,
+    NewVersion, ProcessRow, Progress, Renewal, Turn, VersionRow, WorkcellRow,
 };
 use super::job_end::{Outcome, Subject};
 use super::open::OpenCatalogueError;
@@ -65,6 +70,9 @@ const SETTINGS: [(&str, &str); 2] =
 const LIMITS: [(&str, &str); 3] =
     [("lock_timeout", "2s"), ("statement_timeout", "30s"), ("idle_in_transaction_session_timeout", "10s")];
 
+/// The advisory lock of the process that collects orphans.
+const COLLECTION: i64 = 0x6c61_6e64_6d61_726b;
+
 /// How often a call is tried that PostgreSQL gave up.
 const ATTEMPTS: u32 = 5;
 
@@ -91,6 +99,7 @@ pub async fn open_postgres(address: &str) -> Result<(Arc<dyn Catalogue>, Uuid), 
 #[derive(Debug)]
 struct PostgresCatalogue {
     pool: PgPool,
+    options: PgConnectOptions,
     hints: watch::Receiver<u64>,
 }
 
@@ -125,7 +134,7 @@ impl PostgresCatalogue {
             // A call that was dropped leaves its answer behind. Where none comes, the connection is given up.
             .after_release(|connection, _| Box::pin(async { Ok(answers(connection).await) }))
             .connect_lazy_with(options.clone());
-        Ok((Self { pool, hints: hints::listen(options) }, id))
+        Ok((Self { pool, hints: hints::listen(options.clone()), options }, id))
     }
 }
 
@@ -244,12 +253,30 @@ impl Catalogue for PostgresCatalogue {
         name: &str,
         kind: &str,
         options: &str,
+        by: &Actor,
     ) -> Result<(DatabaseRow, bool), CatalogueError> {
-        transaction!(self, c => databases::create(c, name, kind, options).await)
+        transaction!(self, c => {
+            let created = databases::create(c, name, kind, options).await?;
+            if created.1 {
+                let detail = json!({"kind": kind, "options": kept(options)});
+                audit::append(c, by, Entry::of("database.create").in_database(name).with(detail)).await?;
+            }
+            Ok(created)
+        })
     }
 
-    async fn set_database_options(&self, name: &str, options: &str) -> Result<DatabaseRow, CatalogueError> {
-        statement!(self, c => databases::set_options(c, name, options).await)
+    async fn set_database_options(
+        &self,
+        name: &str,
+        options: &str,
+        by: &Actor,
+    ) -> Result<DatabaseRow, CatalogueError> {
+        transaction!(self, c => {
+            let row = databases::set_options(c, name, options).await?;
+            let detail = json!({"options": kept(options)});
+            audit::append(c, by, Entry::of("database.options").in_database(name).with(detail)).await?;
+            Ok(row)
+        })
     }
 
     async fn database(&self, name: &str) -> Result<Option<DatabaseRow>, CatalogueError> {
@@ -260,10 +287,13 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => databases::list(c, after, limit).await)
     }
 
-    async fn delete_database(&self, name: &str) -> Result<bool, CatalogueError> {
+    async fn delete_database(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
         transaction!(self, c => {
             let deleted = databases::delete(c, name).await?;
             jobs::cancel_all(c, Subject::Database(name)).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("database.delete").in_database(name)).await?;
+            }
             hints::send(c).await?;
             Ok(deleted)
         })
@@ -291,14 +321,29 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => exemplars::list(c, database, filter, after, limit).await)
     }
 
-    async fn delete_exemplar(&self, database: &str, id: Uuid) -> Result<bool, CatalogueError> {
-        statement!(self, c => exemplars::delete(c, database, id).await)
+    async fn delete_exemplar(&self, database: &str, id: Uuid, by: &Actor) -> Result<bool, CatalogueError> {
+        transaction!(self, c => {
+            let deleted = exemplars::delete(c, database, id).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("exemplar.delete").in_database(database).about(id)).await?;
+            }
+            Ok(deleted)
+        })
     }
 
-    async fn delete_exemplars(&self, database: &str, filter: &ExemplarFilter) -> Result<u64, CatalogueError> {
+    async fn delete_exemplars(
+        &self,
+        database: &str,
+        filter: &ExemplarFilter,
+        by: &Actor,
+    ) -> Result<u64, CatalogueError> {
         transaction!(self, c => {
             databases::lock(c, database).await?;
-            exemplars::delete_matching(c, database, filter).await
+            let deleted = exemplars::delete_matching(c, database, filter).await?;
+            if deleted > 0 {
+                audit::append(c, by, Entry::of("exemplar.delete").in_database(database).with(filter.detail(deleted))).await?;
+            }
+            Ok(deleted)
         })
     }
 
@@ -319,6 +364,13 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => versions::find(c, database, version).await)
     }
 
+    async fn digests(
+        &self,
+        versions: &[(String, i64)],
+    ) -> Result<Vec<(String, i64, String)>, CatalogueError> {
+        statement!(self, c => versions::digests(c, versions).await)
+    }
+
     async fn version_by_digest(
         &self,
         database: &str,
@@ -327,18 +379,32 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => versions::find_by_digest(c, database, digest).await)
     }
 
-    async fn insert_version(&self, new: &NewVersion) -> Result<(VersionRow, bool), CatalogueError> {
+    async fn insert_version(
+        &self,
+        new: &NewVersion,
+        by: &Actor,
+    ) -> Result<(VersionRow, bool), CatalogueError> {
         transaction!(self, c => {
             if !databases::lock(c, &new.database).await? {
                 return Err(CatalogueError::no_database(&new.database));
             }
-            versions::insert(c, new).await
+            let inserted = versions::insert(c, new).await?;
+            if inserted.1 {
+                let entry = Entry::of("version.import").in_database(&new.database).about(inserted.0.version);
+                audit::append(c, by, entry.with(json!({"digest": new.digest}))).await?;
+            }
+            Ok(inserted)
         })
     }
 
-    async fn delete_version(&self, database: &str, version: i64) -> Result<bool, CatalogueError> {
+    async fn delete_version(&self, database: &str, version: i64, by: &Actor) -> Result<bool, CatalogueError> {
         transaction!(self, c => {
-            Ok(databases::lock(c, database).await? && versions::delete(c, database, version).await?)
+            let deleted =
+                databases::lock(c, database).await? && versions::delete(c, database, version).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("version.delete").in_database(database).about(version)).await?;
+            }
+            Ok(deleted)
         })
     }
 
@@ -356,12 +422,15 @@ impl Catalogue for PostgresCatalogue {
         alias: &str,
         version: i64,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<(AliasRow, bool), CatalogueError> {
         transaction!(self, c => {
             if !databases::lock(c, database).await? {
                 return Err(CatalogueError::no_version(database, version));
             }
             let set = aliases::set(c, database, alias, version, expected).await?;
+            let entry = Entry::of("alias.set").in_database(database).about(alias);
+            audit::append(c, by, entry.with(json!({"version": version}))).await?;
             hints::send(c).await?;
             Ok(set)
         })
@@ -372,6 +441,7 @@ impl Catalogue for PostgresCatalogue {
         database: &str,
         alias: &str,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<bool, CatalogueError> {
         transaction!(self, c => {
             if !databases::lock(c, database).await? {
@@ -381,6 +451,9 @@ impl Catalogue for PostgresCatalogue {
                 };
             }
             let deleted = aliases::delete(c, database, alias, expected).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("alias.delete").in_database(database).about(alias)).await?;
+            }
             hints::send(c).await?;
             Ok(deleted)
         })
@@ -391,8 +464,14 @@ impl Catalogue for PostgresCatalogue {
         name: &str,
         document: &str,
         expected: Option<i64>,
+        by: &Actor,
     ) -> Result<CalibrationRow, CatalogueError> {
-        transaction!(self, c => calibrations::put(c, name, document, expected).await)
+        transaction!(self, c => {
+            let row = calibrations::put(c, name, document, expected).await?;
+            let detail = json!({"document": kept(document)});
+            audit::append(c, by, Entry::of("calibration.put").about(name).with(detail)).await?;
+            Ok(row)
+        })
     }
 
     async fn calibration(&self, name: &str) -> Result<Option<CalibrationRow>, CatalogueError> {
@@ -407,10 +486,13 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => calibrations::list(c, after, limit).await)
     }
 
-    async fn delete_calibration(&self, name: &str) -> Result<bool, CatalogueError> {
+    async fn delete_calibration(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
         transaction!(self, c => {
             let deleted = calibrations::delete(c, name).await?;
             jobs::cancel_all(c, Subject::Calibration(name)).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("calibration.delete").about(name)).await?;
+            }
             hints::send(c).await?;
             Ok(deleted)
         })
@@ -422,9 +504,12 @@ impl Catalogue for PostgresCatalogue {
         calibration: &str,
         params: &str,
         blobs: &[String],
+        by: &Actor,
     ) -> Result<JobRow, CatalogueError> {
         transaction!(self, c => {
             let job = jobs::enqueue_for_calibration(c, kind, calibration, params, blobs).await?;
+            let detail = json!({"job": job.id, "kind": kind});
+            audit::append(c, by, Entry::of("job.queue").about(calibration).with(detail)).await?;
             hints::send(c).await?;
             Ok(job)
         })
@@ -442,12 +527,24 @@ impl Catalogue for PostgresCatalogue {
             jobs::held_and_wanted(c, id, token).await?;
             let job = jobs::finish(c, id, token, JobState::Succeeded, Outcome::default()).await?;
             let name = job.calibration.unwrap_or_default();
-            calibrations::put(c, &name, document, Some(expected)).await
+            let row = calibrations::put(c, &name, document, Some(expected)).await?;
+            audit::append(c, &Actor::job(id), Entry::of("calibration.put").about(&name)).await?;
+            Ok(row)
         })
     }
 
-    async fn put_workcell(&self, name: &str, document: &str) -> Result<(WorkcellRow, bool), CatalogueError> {
-        statement!(self, c => workcells::put(c, name, document).await)
+    async fn put_workcell(
+        &self,
+        name: &str,
+        document: &str,
+        by: &Actor,
+    ) -> Result<(WorkcellRow, bool), CatalogueError> {
+        transaction!(self, c => {
+            let put = workcells::put(c, name, document).await?;
+            let detail = json!({"document": kept(document)});
+            audit::append(c, by, Entry::of("workcell.put").about(name).with(detail)).await?;
+            Ok(put)
+        })
     }
 
     async fn workcell(&self, name: &str) -> Result<Option<WorkcellRow>, CatalogueError> {
@@ -458,13 +555,27 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => workcells::list(c, after, limit).await)
     }
 
-    async fn delete_workcell(&self, name: &str) -> Result<bool, CatalogueError> {
-        statement!(self, c => workcells::delete(c, name).await)
+    async fn delete_workcell(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
+        transaction!(self, c => {
+            let deleted = workcells::delete(c, name).await?;
+            if deleted {
+                audit::append(c, by, Entry::of("workcell.delete").about(name)).await?;
+            }
+            Ok(deleted)
+        })
     }
 
-    async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError> {
+    async fn enqueue_job(
+        &self,
+        kind: &str,
+        database: &str,
+        params: &str,
+        by: &Actor,
+    ) -> Result<JobRow, CatalogueError> {
         transaction!(self, c => {
             let job = jobs::enqueue(c, kind, database, params).await?;
+            let detail = json!({"kind": kind, "params": kept(params)});
+            audit::append(c, by, Entry::of("job.queue").in_database(database).about(job.id).with(detail)).await?;
             hints::send(c).await?;
             Ok(job)
         })
@@ -517,9 +628,15 @@ impl Catalogue for PostgresCatalogue {
             if !is_there {
                 return Err(CatalogueError::no_database(&new.database));
             }
-            let (version, _) = versions::insert(c, new).await?;
+            let (version, is_new) = versions::insert(c, new).await?;
+            if is_new {
+                let entry = Entry::of("version.publish").in_database(&new.database).about(version.version);
+                audit::append(c, &Actor::job(id), entry.with(json!({"digest": new.digest}))).await?;
+            }
             if let Some(alias) = promote_alias {
                 aliases::set(c, &new.database, alias, version.version, AliasExpectation::Any).await?;
+                let entry = Entry::of("alias.set").in_database(&new.database).about(alias);
+                audit::append(c, &Actor::job(id), entry.with(json!({"version": version.version}))).await?;
                 hints::send(c).await?;
             }
             let outcome = Outcome { version: Some(version.version), comparison, ..Outcome::default() };
@@ -548,6 +665,8 @@ impl Catalogue for PostgresCatalogue {
                 }
                 if let Some(alias) = promote_alias {
                     aliases::set(c, database, alias, version, AliasExpectation::Any).await?;
+                    let entry = Entry::of("alias.set").in_database(database).about(alias);
+                    audit::append(c, &Actor::job(id), entry.with(json!({"version": version}))).await?;
                     hints::send(c).await?;
                 }
             }
@@ -566,9 +685,13 @@ impl Catalogue for PostgresCatalogue {
         transaction!(self, c => jobs::finish(c, id, token, JobState::Cancelled, Outcome::default()).await)
     }
 
-    async fn request_cancel(&self, id: Uuid) -> Result<Option<JobRow>, CatalogueError> {
+    async fn request_cancel(&self, id: Uuid, by: &Actor) -> Result<Option<JobRow>, CatalogueError> {
         transaction!(self, c => {
             let job = jobs::request_cancel(c, id).await?;
+            if let Some(job) = &job {
+                let entry = Entry { database: job.database.as_deref(), ..Entry::of("job.cancel") };
+                audit::append(c, by, entry.about(id)).await?;
+            }
             hints::send(c).await?;
             Ok(job)
         })
@@ -603,18 +726,77 @@ impl Catalogue for PostgresCatalogue {
         statement!(self, c => processes::list(c, fresh).await)
     }
 
-    async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError> {
+    async fn insert_key(&self, new: &NewKey, by: &Actor) -> Result<KeyRow, CatalogueError> {
+        transaction!(self, c => {
+            let row = keys::insert(c, new).await?;
+            audit::append(c, by, Entry::of("key.create").about(&new.id).with(new.detail())).await?;
+            hints::send(c).await?;
+            Ok(row)
+        })
+    }
+
+    async fn keys(&self) -> Result<Vec<KeyRow>, CatalogueError> {
+        statement!(self, c => keys::list(c).await)
+    }
+
+    async fn revoke_key(&self, id: &str, by: &Actor) -> Result<Option<bool>, CatalogueError> {
+        transaction!(self, c => {
+            if keys::find(c, id).await?.is_none() {
+                return Ok(None);
+            }
+            let revoked = keys::revoke(c, id).await?;
+            if revoked {
+                audit::append(c, by, Entry::of("key.revoke").about(id)).await?;
+                hints::send(c).await?;
+            }
+            Ok(Some(revoked))
+        })
+    }
+
+    async fn note_key_uses(&self, uses: &[(String, Timestamp)]) -> Result<(), CatalogueError> {
+        transaction!(self, c => {
+            for (id, at) in uses {
+                keys::note_use(c, id, at.as_microsecond()).await?;
+            }
+            Ok(())
+        })
+    }
+
+    async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Vec<AuditRow>, CatalogueError> {
+        statement!(self, c => audit::list(c, filter, before, limit).await)
+    }
+
+    async fn blobs_referenced(&self, blobs: &[String]) -> Result<Vec<String>, CatalogueError> {
         statement!(self, c => {
             Ok(sqlx::query_scalar(
-                "SELECT EXISTS (SELECT 1 FROM exemplars WHERE blob = $1)
-                     OR EXISTS (SELECT 1 FROM versions WHERE blob = $1)
-                     OR EXISTS (SELECT 1 FROM job_blobs b JOIN jobs j ON j.id = b.job
-                                WHERE b.blob = $1 AND j.state IN ('queued', 'running'))",
+                "SELECT name FROM unnest($1) AS name
+                 WHERE EXISTS (SELECT 1 FROM exemplars WHERE blob = name)
+                    OR EXISTS (SELECT 1 FROM versions WHERE blob = name)
+                    OR EXISTS (SELECT 1 FROM job_blobs b JOIN jobs j ON j.id = b.job
+                               WHERE b.blob = name AND j.state IN ('queued', 'running'))",
             )
-            .bind(blob)
-            .fetch_one(c)
+            .bind(blobs)
+            .fetch_all(c)
             .await?)
         })
+    }
+
+    async fn turn_to_collect(&self) -> Result<Option<Turn>, CatalogueError> {
+        bounded(async {
+            // The lock goes with its connection, so it needs one of its own.
+            let mut connection = self.options.connect().await?;
+            let is_ours: bool = sqlx::query_scalar("SELECT pg_try_advisory_lock($1)")
+                .bind(COLLECTION)
+                .fetch_one(&mut connection)
+                .await?;
+            Ok(is_ours.then(|| Box::new(connection) as Turn))
+        })
+        .await
     }
 
     fn hints(&self) -> watch::Receiver<u64> {

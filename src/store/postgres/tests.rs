@@ -12,7 +12,7 @@ use futures_util::future::{join_all, try_join_all};
 
 use self::cluster::{Cluster, Stop};
 use super::*;
-use crate::store::suite::catalogue_suite;
+use crate::store::suite::{by, catalogue_suite};
 
 const LEASE: Duration = Duration::from_secs(60);
 const TRAINING: &[&str] = &["training"];
@@ -33,7 +33,7 @@ async fn empty() -> (Arc<dyn Catalogue>, ()) {
 async fn two(cluster: &Cluster) -> [Arc<dyn Catalogue>; 2] {
     let address = cluster.create_database();
     let both = [open_postgres(&address).await.unwrap().0, open_postgres(&address).await.unwrap().0];
-    both[0].create_database("lab", "landmarks", "{}").await.unwrap();
+    both[0].create_database("lab", "landmarks", "{}", by()).await.unwrap();
     both
 }
 
@@ -63,7 +63,7 @@ async fn eight_claimers_of_two_processes_claim_five_hundred_jobs_once_each() {
     let both = two(&CLUSTER).await;
     let mut queued = HashSet::new();
     for _ in 0..500 {
-        queued.insert(both[0].enqueue_job("training", "lab", "{}").await.unwrap().id);
+        queued.insert(both[0].enqueue_job("training", "lab", "{}", by()).await.unwrap().id);
     }
     let began = Instant::now();
     let tasks = (0..8).map(|worker| {
@@ -91,7 +91,7 @@ async fn concurrent_publishes_number_versions_and_revisions_without_a_gap() {
         let catalogue = both[worker % 2].clone();
         tokio::spawn(async move {
             for round in 0..10 {
-                catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+                catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
                 let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
                 let new = artifact(&format!("{worker} {round}"));
                 catalogue.publish(job.id, job.token, &new, Some("current"), None).await.unwrap();
@@ -125,27 +125,30 @@ async fn calls_that_lock_the_same_rows_do_not_block_each_other_for_good() {
                 let mut ends = Vec::new();
                 match worker % 3 {
                     0 => {
-                        ends.push(catalogue.delete_database("lab").await.map(drop));
-                        ends.push(catalogue.create_database("lab", "landmarks", "{}").await.map(drop));
+                        ends.push(catalogue.delete_database("lab", by()).await.map(drop));
+                        ends.push(catalogue.create_database("lab", "landmarks", "{}", by()).await.map(drop));
                         ends.push(catalogue.hand_back_jobs("w").await.map(drop));
-                        ends.push(catalogue.delete_calibration("rig").await.map(drop));
+                        ends.push(catalogue.delete_calibration("rig", by()).await.map(drop));
                     }
                     1 => {
-                        ends.push(catalogue.insert_version(&artifact(&digest)).await.map(drop));
-                        ends.push(catalogue.set_alias("lab", "current", 1, any).await.map(drop));
-                        ends.push(catalogue.put_calibration("rig", "{}", None).await.map(drop));
+                        ends.push(catalogue.insert_version(&artifact(&digest), by()).await.map(drop));
+                        ends.push(catalogue.set_alias("lab", "current", 1, any, by()).await.map(drop));
+                        ends.push(catalogue.put_calibration("rig", "{}", None, by()).await.map(drop));
                         ends.push(
-                            catalogue.enqueue_calibration_job("sweep", "rig", "{}", &[]).await.map(drop),
+                            catalogue
+                                .enqueue_calibration_job("sweep", "rig", "{}", &[], by())
+                                .await
+                                .map(drop),
                         );
                         if let Ok(Some(job)) = catalogue.claim_job("w", &["sweep"], LEASE, 3).await {
                             ends.push(
                                 catalogue.publish_calibration(job.id, job.token, "{}", 1).await.map(drop),
                             );
-                            ends.push(catalogue.request_cancel(job.id).await.map(drop));
+                            ends.push(catalogue.request_cancel(job.id, by()).await.map(drop));
                         }
                     }
                     _ => {
-                        ends.push(catalogue.enqueue_job("training", "lab", "{}").await.map(drop));
+                        ends.push(catalogue.enqueue_job("training", "lab", "{}", by()).await.map(drop));
                         match catalogue.claim_job("w", TRAINING, LEASE, 100).await {
                             Ok(Some(job)) => {
                                 let new = artifact(&digest);
@@ -155,7 +158,7 @@ async fn calls_that_lock_the_same_rows_do_not_block_each_other_for_good() {
                             }
                             other => ends.push(other.map(drop)),
                         }
-                        ends.push(catalogue.delete_version("lab", 1).await.map(drop));
+                        ends.push(catalogue.delete_version("lab", 1, by()).await.map(drop));
                     }
                 }
                 for error in ends.into_iter().filter_map(Result::err) {
@@ -167,8 +170,8 @@ async fn calls_that_lock_the_same_rows_do_not_block_each_other_for_good() {
     try_join_all(tasks).await.unwrap();
     println!("150 rounds in {:?}", began.elapsed());
     // No job was left behind by a deletion of its database.
-    both[0].delete_database("lab").await.unwrap();
-    both[0].delete_calibration("rig").await.unwrap();
+    both[0].delete_database("lab", by()).await.unwrap();
+    both[0].delete_calibration("rig", by()).await.unwrap();
     let states = both[0].jobs_by_state().await.unwrap();
     assert!(states.iter().all(|(state, _)| state.is_terminal()), "{states:?}");
 }
@@ -189,7 +192,7 @@ async fn processes_that_open_an_empty_database_at_once_make_its_tables_once() {
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn a_lease_runs_out_by_the_servers_clock_and_its_token_is_worth_nothing_then() {
     let [slow, quick] = two(&CLUSTER).await;
-    let id = slow.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = slow.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let lost = slow.claim_job("slow", TRAINING, Duration::from_millis(300), 3).await.unwrap().unwrap();
     assert_eq!(slow.release_dead_leases("quick").await.unwrap(), 0);
     assert_eq!(quick.claim_job("quick", TRAINING, LEASE, 3).await.unwrap(), None);
@@ -215,7 +218,7 @@ async fn calls_fail_soon_while_postgres_is_away_and_work_again_when_it_is_back()
         cluster.stop(how);
         for _ in 0..2 {
             let began = Instant::now();
-            let calls = (0..12).map(|_| catalogue.create_database("lab", "landmarks", "{}"));
+            let calls = (0..12).map(|_| catalogue.create_database("lab", "landmarks", "{}", by()));
             for refused in join_all(calls).await {
                 assert!(matches!(refused, Err(CatalogueError::Unavailable { .. })), "{refused:?}");
             }
@@ -224,7 +227,9 @@ async fn calls_fail_soon_while_postgres_is_away_and_work_again_when_it_is_back()
         }
         cluster.start();
         let began = Instant::now();
-        for ended in join_all((0..12).map(|_| catalogue.create_database("lab", "landmarks", "{}"))).await {
+        for ended in
+            join_all((0..12).map(|_| catalogue.create_database("lab", "landmarks", "{}", by()))).await
+        {
             assert!(!ended.unwrap().1);
         }
         println!("twelve calls served {:?} after its return", began.elapsed());
@@ -236,7 +241,7 @@ async fn calls_fail_soon_while_postgres_is_away_and_work_again_when_it_is_back()
 async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
     let address = CLUSTER.create_database();
     let (catalogue, _) = PostgresCatalogue::open(&address).await.unwrap();
-    catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+    catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
     // Somebody holds the row; who waits for it is cut off, and then the call after it succeeds.
     let mut holder = catalogue.pool.begin().await.unwrap();
     databases::lock(&mut holder, "lab").await.unwrap();
@@ -251,15 +256,15 @@ async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
         .await
         .unwrap();
     };
-    let (refused, ()) = tokio::join!(catalogue.insert_version(&new), cut);
+    let (refused, ()) = tokio::join!(catalogue.insert_version(&new, by()), cut);
     assert!(matches!(refused, Err(CatalogueError::Unavailable { .. })), "{refused:?}");
     // Who isn't cut off waits no longer than the limit.
     let began = Instant::now();
-    let refused = catalogue.insert_version(&new).await;
+    let refused = catalogue.insert_version(&new, by()).await;
     assert!(matches!(refused, Err(CatalogueError::Unavailable { .. })), "{refused:?}");
     assert!(began.elapsed() < Duration::from_secs(4), "{:?}", began.elapsed());
     drop(holder);
-    assert_eq!(catalogue.insert_version(&new).await.unwrap().0.version, 1);
+    assert_eq!(catalogue.insert_version(&new, by()).await.unwrap().0.version, 1);
 }
 
 #[tokio::test]
@@ -267,7 +272,7 @@ async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
 async fn a_deadlock_is_begun_anew() {
     let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
     for name in ["a", "b"] {
-        catalogue.create_database(name, "landmarks", "{}").await.unwrap();
+        catalogue.create_database(name, "landmarks", "{}", by()).await.unwrap();
     }
     // Against the order on purpose: each has one row and wants the other.
     let cross = async |first: &'static str, second: &'static str| -> Result<u32, CatalogueError> {
@@ -291,8 +296,8 @@ async fn a_deadlock_is_begun_anew() {
 async fn a_column_that_a_newer_release_adds_breaks_no_call_of_this_one() {
     let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
     let calls = async || {
-        catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
-        catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+        catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
         catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap().len()
     };
     assert_eq!(calls().await, 1);
@@ -307,7 +312,7 @@ async fn a_column_that_a_newer_release_adds_breaks_no_call_of_this_one() {
 async fn another_process_is_told_soon_and_after_a_lost_connection() {
     let cluster = Cluster::start_new();
     let [here, there] = two(&cluster).await;
-    here.insert_version(&artifact("d1")).await.unwrap();
+    here.insert_version(&artifact("d1"), by()).await.unwrap();
     // What comes while the listener connects is over.
     tokio::time::sleep(Duration::from_millis(500)).await;
 
@@ -319,21 +324,21 @@ async fn another_process_is_told_soon_and_after_a_lost_connection() {
         hints.mark_unchanged();
     };
     let began = Instant::now();
-    here.set_alias("lab", "current", 1, AliasExpectation::Any).await.unwrap();
+    here.set_alias("lab", "current", 1, AliasExpectation::Any, by()).await.unwrap();
     told("an alias was moved", began).await;
     let began = Instant::now();
-    let job = here.enqueue_job("training", "lab", "{}").await.unwrap();
+    let job = here.enqueue_job("training", "lab", "{}", by()).await.unwrap();
     told("a job was queued", began).await;
     let claimed = here.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let began = Instant::now();
-    here.request_cancel(job.id).await.unwrap();
+    here.request_cancel(job.id, by()).await.unwrap();
     told("a job was asked to end", began).await;
     here.cancelled_job(job.id, claimed.token).await.unwrap();
     let began = Instant::now();
-    here.delete_alias("lab", "current", AliasExpectation::Any).await.unwrap();
+    here.delete_alias("lab", "current", AliasExpectation::Any, by()).await.unwrap();
     told("an alias was deleted", began).await;
     let began = Instant::now();
-    here.delete_database("lab").await.unwrap();
+    here.delete_database("lab", by()).await.unwrap();
     told("a database was deleted", began).await;
 
     for how in [Stop::Fast, Stop::Immediate] {
@@ -346,8 +351,8 @@ async fn another_process_is_told_soon_and_after_a_lost_connection() {
         timeout(Duration::from_secs(4), hints.changed()).await.expect("a hint after the return").unwrap();
         println!("listening again {:?} after the return", began.elapsed());
         hints.mark_unchanged();
-        here.create_database("lab", "landmarks", "{}").await.unwrap();
-        here.enqueue_job("training", "lab", "{}").await.unwrap();
+        here.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+        here.enqueue_job("training", "lab", "{}", by()).await.unwrap();
         timeout(Duration::from_millis(500), hints.changed()).await.expect("a hint").unwrap();
     }
 }
@@ -398,11 +403,11 @@ async fn what_hinders_the_opening_is_told_apart() {
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn what_cannot_be_kept_or_cannot_be_ours_is_told_apart() {
     let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
-    catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
-    let refused = catalogue.enqueue_job("training", "lab", "a\0b").await.unwrap_err();
+    catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+    let refused = catalogue.enqueue_job("training", "lab", "a\0b", by()).await.unwrap_err();
     assert!(matches!(refused, CatalogueError::Conflict { .. }), "{refused:?}");
 
-    catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
     sqlx::query("UPDATE jobs SET attempts = -1").execute(&catalogue.pool).await.unwrap();
     let refused = catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap_err();
     assert!(
@@ -422,7 +427,7 @@ async fn a_process_has_a_bounded_number_of_connections() {
     let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
     join_all((0..100).map(|number| {
         let (catalogue, name) = (&catalogue, format!("lab{number}"));
-        async move { catalogue.create_database(&name, "landmarks", "{}").await.unwrap() }
+        async move { catalogue.create_database(&name, "landmarks", "{}", by()).await.unwrap() }
     }))
     .await;
     let open: i64 = sqlx::query_scalar(

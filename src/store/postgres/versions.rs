@@ -121,3 +121,20 @@ pub async fn delete(
         .await?;
     Ok(done.rows_affected() > 0)
 }
+
+pub async fn digests(
+    connection: &mut PgConnection,
+    versions: &[(String, i64)],
+) -> Result<Vec<(String, i64, String)>, CatalogueError> {
+    let (databases, numbers): (Vec<&str>, Vec<i64>) =
+        versions.iter().map(|(database, version)| (database.as_str(), *version)).unzip();
+    Ok(sqlx::query_as(
+        "SELECT v.database, v.version, v.digest
+         FROM unnest($1, $2) AS w (database, version)
+         JOIN versions v ON v.database = w.database AND v.version = w.version",
+    )
+    .bind(databases)
+    .bind(numbers)
+    .fetch_all(connection)
+    .await?)
+}

@@ -1,5 +1,6 @@
 //! Statements on the table `exemplars`.
 
+use jiff::Timestamp;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use uuid::Uuid;
@@ -85,12 +86,15 @@ pub async fn list(
     let rows = sqlx::query(
         "SELECT * FROM exemplars
          WHERE database = ?1 AND (?2 IS NULL OR label = ?2) AND (?3 IS NULL OR robot_id = ?3)
-           AND (?4 IS NULL OR id > ?4)
-         ORDER BY id LIMIT ?5",
+           AND (?4 IS NULL OR created_at >= ?4) AND (?5 IS NULL OR created_at < ?5)
+           AND (?6 IS NULL OR id > ?6)
+         ORDER BY id LIMIT ?7",
     )
     .bind(database)
     .bind(&filter.label)
     .bind(&filter.robot_id)
+    .bind(filter.since.map(Timestamp::as_microsecond))
+    .bind(filter.before.map(Timestamp::as_microsecond))
     .bind(after.map(|id| id.to_string()))
     .bind(limit)
     .fetch_all(connection)
@@ -116,16 +120,19 @@ pub async fn delete_matching(
     database: &str,
     filter: &ExemplarFilter,
 ) -> Result<u64, CatalogueError> {
-    if filter.label.is_none() && filter.robot_id.is_none() {
+    if filter.is_empty() {
         return Err(CatalogueError::EmptyFilter);
     }
     let done = sqlx::query(
         "DELETE FROM exemplars
-         WHERE database = ?1 AND (?2 IS NULL OR label = ?2) AND (?3 IS NULL OR robot_id = ?3)",
+         WHERE database = ?1 AND (?2 IS NULL OR label = ?2) AND (?3 IS NULL OR robot_id = ?3)
+           AND (?4 IS NULL OR created_at >= ?4) AND (?5 IS NULL OR created_at < ?5)",
     )
     .bind(database)
     .bind(&filter.label)
     .bind(&filter.robot_id)
+    .bind(filter.since.map(Timestamp::as_microsecond))
+    .bind(filter.before.map(Timestamp::as_microsecond))
     .execute(connection)
     .await?;
     Ok(done.rows_affected())

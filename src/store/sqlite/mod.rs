@@ -6,36 +6,42 @@
 //! can do nothing else.
 
 mod aliases;
+mod audit;
 mod calibrations;
 mod databases;
 mod exemplars;
 mod jobs;
+mod keys;
 mod row;
 mod versions;
 mod workcells;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
 use async_trait::async_trait;
+use jiff::Timestamp;
+use serde_json::json;
 use sqlx::migrate::Migrator;
 use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{Sqlite, Transaction};
+use sqlx::{Connection, Sqlite, Transaction};
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use super::audit::{Actor, AuditFilter, AuditRow, Entry, document as kept};
 use super::catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
-    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, NewVersion,
-    ProcessRow, Progress, Renewal, VersionRow, WorkcellRow,
+    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, KeyRow, NewKey,
+    NewVersion, ProcessRow, Progress, Renewal, Turn, VersionRow, WorkcellRow,
 };
-use super::folder::FolderLock;
+use super::folder::{CollectionLock, FolderLock};
 use super::job_end::{Outcome, Subject};
 use super::open::OpenCatalogueError;
+use super::row::is_read_only;
 
 static MIGRATIONS: Migrator = sqlx::migrate!("migrations/sqlite");
 
@@ -44,6 +50,10 @@ const READERS: u32 = 4;
 
 /// How long a call waits for its turn before it is `Unavailable`.
 const TURN_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// What the write-ahead log is cut to when it begins anew. It begins anew every thousand pages (4 MiB) or so, later
+/// only while somebody copies the catalogue.
+const MAX_IDLE_LOG_BYTES: &str = "67108864";
 
 /// How long SQLite waits for another program that holds the file, a backup for instance.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -54,7 +64,9 @@ pub struct SqliteCatalogue {
     writer: SqlitePool,
     readers: SqlitePool,
     hints: watch::Sender<u64>,
-    _lock: Arc<FolderLock>,
+    data_dir: PathBuf,
+    /// None where another process may be serving the file.
+    _lock: Option<Arc<FolderLock>>,
 }
 
 impl SqliteCatalogue {
@@ -65,22 +77,76 @@ impl SqliteCatalogue {
         path: &Path,
         lock: Arc<FolderLock>,
     ) -> Result<Self, OpenCatalogueError> {
-        let options = SqliteConnectOptions::new()
-            .filename(path)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(BUSY_TIMEOUT);
         let writer = pool(1)
-            .connect_with(options.clone().create_if_missing(true))
+            .connect_with(options(path).create_if_missing(true))
             .await
-            .map_err(OpenCatalogueError::Open)?;
-        MIGRATIONS.run(&writer).await?;
+            .map_err(OpenCatalogueError::of_sqlite)?;
+        MIGRATIONS.run(&writer).await.map_err(OpenCatalogueError::of_sqlite_migration)?;
+        // Damage that nobody reads is found now, and not when a robot needs the row.
+        let faults = faults(&writer, "PRAGMA quick_check(3)").await;
+        if let Some(fault) = faults.map_err(OpenCatalogueError::of_sqlite)?.first() {
+            return Err(OpenCatalogueError::Damaged { source: fault.clone().into() });
+        }
+        Self::over(path, writer, Some(lock)).await
+    }
+
+    /// Opens the catalogue of a folder that another process may be serving: its tables must be of this release.
+    pub(in crate::store) async fn open_beside(path: &Path) -> Result<Self, OpenCatalogueError> {
+        let writer = pool(1).connect_with(options(path)).await.map_err(OpenCatalogueError::of_sqlite)?;
+        let applied: Vec<i64> = sqlx::query_scalar("SELECT version FROM _sqlx_migrations ORDER BY version")
+            .fetch_all(&writer)
+            .await
+            .map_err(OpenCatalogueError::of_sqlite)?;
+        let mut known = MIGRATIONS.iter().map(|migration| migration.version);
+        if let Some(migration) = applied.iter().find(|applied| !known.clone().any(|known| known == **applied))
+        {
+            return Err(OpenCatalogueError::Newer { migration: *migration });
+        }
+        if let Some(migration) = known.find(|known| !applied.contains(known)) {
+            return Err(OpenCatalogueError::Older { migration });
+        }
+        Self::over(path, writer, None).await
+    }
+
+    async fn over(
+        path: &Path,
+        writer: SqlitePool,
+        lock: Option<Arc<FolderLock>>,
+    ) -> Result<Self, OpenCatalogueError> {
         let readers = pool(READERS)
-            .connect_with(options.pragma("query_only", "ON"))
+            .connect_with(options(path).pragma("query_only", "ON"))
             .await
-            .map_err(OpenCatalogueError::Open)?;
-        Ok(Self { writer, readers, hints: watch::Sender::new(0), _lock: lock })
+            .map_err(OpenCatalogueError::of_sqlite)?;
+        let data_dir = path.parent().unwrap_or(Path::new(".")).to_owned();
+        Ok(Self { writer, readers, hints: watch::Sender::new(0), data_dir, _lock: lock })
+    }
+
+    /// Copies everything into a new file, as of one moment, while others read and write; synced by the caller.
+    pub(in crate::store) async fn copy_to(&self, path: &Path) -> Result<(), CatalogueError> {
+        let path = path.to_string_lossy();
+        sqlx::query("VACUUM INTO ?1").bind(&*path).execute(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Every blob that a row names, once.
+    pub(in crate::store) async fn blobs_named(&self) -> Result<Vec<String>, CatalogueError> {
+        Ok(sqlx::query_scalar(
+            "SELECT blob FROM exemplars UNION SELECT blob FROM versions
+             UNION SELECT b.blob FROM job_blobs b JOIN jobs j ON j.id = b.job WHERE j.state IN ('queued', 'running')",
+        )
+        .fetch_all(&mut *self.read().await?)
+        .await?)
+    }
+
+    /// What SQLite finds wrong with the file, at most a few of it; nothing, when all is well.
+    pub(in crate::store) async fn faults(&self) -> Result<Vec<String>, CatalogueError> {
+        Ok(faults(&self.writer, "PRAGMA integrity_check(9)").await?)
+    }
+
+    /// Ends the connections; the last one takes the write-ahead log with it.
+    pub(in crate::store) async fn close(self) {
+        self.readers.close().await;
+        self.writer.close().await;
     }
 
     async fn read(&self) -> Result<PoolConnection<Sqlite>, CatalogueError> {
@@ -89,12 +155,39 @@ impl SqliteCatalogue {
 
     /// Begins a transaction that writes; dropped without a commit, it is rolled back.
     async fn write(&self) -> Result<Transaction<'static, Sqlite>, CatalogueError> {
-        Ok(self.writer.begin_with("BEGIN IMMEDIATE").await?)
+        match self.writer.begin_with("BEGIN IMMEDIATE").await {
+            // Opened while the disk took no writes, it would stay as SQLite opened it then, for reading only.
+            Err(error) if is_read_only(&error) => {
+                self.writer.acquire().await?.close().await?;
+                Ok(self.writer.begin_with("BEGIN IMMEDIATE").await?)
+            }
+            begun => Ok(begun?),
+        }
     }
 
     fn hint(&self) {
         self.hints.send_modify(|hints| *hints += 1);
     }
+}
+
+fn options(path: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+        .pragma("journal_size_limit", MAX_IDLE_LOG_BYTES)
+}
+
+fn to_json(value: &impl serde::Serialize) -> Result<String, CatalogueError> {
+    serde_json::to_string(value).map_err(|source| CatalogueError::Unavailable { source: source.into() })
+}
+
+async fn faults(pool: &SqlitePool, check: &'static str) -> Result<Vec<String>, sqlx::Error> {
+    let mut found: Vec<String> = sqlx::query_scalar(check).fetch_all(pool).await?;
+    found.retain(|line| line != "ok");
+    Ok(found)
 }
 
 /// Connections live as long as the pool: opening one again costs more than keeping it.
@@ -104,6 +197,15 @@ fn pool(connections: u32) -> SqlitePoolOptions {
         .acquire_timeout(TURN_TIMEOUT)
         .idle_timeout(None)
         .max_lifetime(None)
+        // When the disk fails, SQLite may end a transaction by itself; the driver then finds nothing to roll back, takes
+        // it for open still, and would never begin another one.
+        .after_release(|connection, _| {
+            Box::pin(async move {
+                // Behind whatever is being rolled back.
+                connection.ping().await?;
+                Ok(!connection.is_in_transaction())
+            })
+        })
 }
 
 #[async_trait]
@@ -117,16 +219,30 @@ impl Catalogue for SqliteCatalogue {
         name: &str,
         kind: &str,
         options: &str,
+        by: &Actor,
     ) -> Result<(DatabaseRow, bool), CatalogueError> {
         let mut transaction = self.write().await?;
         let created = databases::create(&mut transaction, name, kind, options).await?;
+        if created.1 {
+            let detail = json!({"kind": kind, "options": kept(options)});
+            audit::append(&mut transaction, by, Entry::of("database.create").in_database(name).with(detail))
+                .await?;
+        }
         transaction.commit().await?;
         Ok(created)
     }
 
-    async fn set_database_options(&self, name: &str, options: &str) -> Result<DatabaseRow, CatalogueError> {
+    async fn set_database_options(
+        &self,
+        name: &str,
+        options: &str,
+        by: &Actor,
+    ) -> Result<DatabaseRow, CatalogueError> {
         let mut transaction = self.write().await?;
         let row = databases::set_options(&mut transaction, name, options).await?;
+        let detail = json!({"options": kept(options)});
+        audit::append(&mut transaction, by, Entry::of("database.options").in_database(name).with(detail))
+            .await?;
         transaction.commit().await?;
         Ok(row)
     }
@@ -139,10 +255,13 @@ impl Catalogue for SqliteCatalogue {
         databases::list(&mut *self.read().await?, after, limit).await
     }
 
-    async fn delete_database(&self, name: &str) -> Result<bool, CatalogueError> {
+    async fn delete_database(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         jobs::cancel_all(&mut transaction, Subject::Database(name)).await?;
         let deleted = databases::delete(&mut transaction, name).await?;
+        if deleted {
+            audit::append(&mut transaction, by, Entry::of("database.delete").in_database(name)).await?;
+        }
         transaction.commit().await?;
         self.hint();
         Ok(deleted)
@@ -173,16 +292,33 @@ impl Catalogue for SqliteCatalogue {
         exemplars::list(&mut *self.read().await?, database, filter, after, limit).await
     }
 
-    async fn delete_exemplar(&self, database: &str, id: Uuid) -> Result<bool, CatalogueError> {
+    async fn delete_exemplar(&self, database: &str, id: Uuid, by: &Actor) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         let deleted = exemplars::delete(&mut transaction, database, id).await?;
+        if deleted {
+            audit::append(&mut transaction, by, Entry::of("exemplar.delete").in_database(database).about(id))
+                .await?;
+        }
         transaction.commit().await?;
         Ok(deleted)
     }
 
-    async fn delete_exemplars(&self, database: &str, filter: &ExemplarFilter) -> Result<u64, CatalogueError> {
+    async fn delete_exemplars(
+        &self,
+        database: &str,
+        filter: &ExemplarFilter,
+        by: &Actor,
+    ) -> Result<u64, CatalogueError> {
         let mut transaction = self.write().await?;
         let deleted = exemplars::delete_matching(&mut transaction, database, filter).await?;
+        if deleted > 0 {
+            audit::append(
+                &mut transaction,
+                by,
+                Entry::of("exemplar.delete").in_database(database).with(filter.detail(deleted)),
+            )
+            .await?;
+        }
         transaction.commit().await?;
         Ok(deleted)
     }
@@ -204,6 +340,13 @@ impl Catalogue for SqliteCatalogue {
         versions::find(&mut *self.read().await?, database, version).await
     }
 
+    async fn digests(
+        &self,
+        versions: &[(String, i64)],
+    ) -> Result<Vec<(String, i64, String)>, CatalogueError> {
+        versions::digests(&mut *self.read().await?, &to_json(&versions)?).await
+    }
+
     async fn version_by_digest(
         &self,
         database: &str,
@@ -212,16 +355,32 @@ impl Catalogue for SqliteCatalogue {
         versions::find_by_digest(&mut *self.read().await?, database, digest).await
     }
 
-    async fn insert_version(&self, new: &NewVersion) -> Result<(VersionRow, bool), CatalogueError> {
+    async fn insert_version(
+        &self,
+        new: &NewVersion,
+        by: &Actor,
+    ) -> Result<(VersionRow, bool), CatalogueError> {
         let mut transaction = self.write().await?;
         let inserted = versions::insert(&mut transaction, new).await?;
+        if inserted.1 {
+            let entry = Entry::of("version.import").in_database(&new.database).about(inserted.0.version);
+            audit::append(&mut transaction, by, entry.with(json!({"digest": new.digest}))).await?;
+        }
         transaction.commit().await?;
         Ok(inserted)
     }
 
-    async fn delete_version(&self, database: &str, version: i64) -> Result<bool, CatalogueError> {
+    async fn delete_version(&self, database: &str, version: i64, by: &Actor) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         let deleted = versions::delete(&mut transaction, database, version).await?;
+        if deleted {
+            audit::append(
+                &mut transaction,
+                by,
+                Entry::of("version.delete").in_database(database).about(version),
+            )
+            .await?;
+        }
         transaction.commit().await?;
         Ok(deleted)
     }
@@ -240,9 +399,12 @@ impl Catalogue for SqliteCatalogue {
         alias: &str,
         version: i64,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<(AliasRow, bool), CatalogueError> {
         let mut transaction = self.write().await?;
         let set = aliases::set(&mut transaction, database, alias, version, expected).await?;
+        let entry = Entry::of("alias.set").in_database(database).about(alias);
+        audit::append(&mut transaction, by, entry.with(json!({"version": version}))).await?;
         transaction.commit().await?;
         self.hint();
         Ok(set)
@@ -253,9 +415,14 @@ impl Catalogue for SqliteCatalogue {
         database: &str,
         alias: &str,
         expected: AliasExpectation,
+        by: &Actor,
     ) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         let deleted = aliases::delete(&mut transaction, database, alias, expected).await?;
+        if deleted {
+            audit::append(&mut transaction, by, Entry::of("alias.delete").in_database(database).about(alias))
+                .await?;
+        }
         transaction.commit().await?;
         self.hint();
         Ok(deleted)
@@ -266,9 +433,12 @@ impl Catalogue for SqliteCatalogue {
         name: &str,
         document: &str,
         expected: Option<i64>,
+        by: &Actor,
     ) -> Result<CalibrationRow, CatalogueError> {
         let mut transaction = self.write().await?;
         let row = calibrations::put(&mut transaction, name, document, expected).await?;
+        let detail = json!({"document": kept(document)});
+        audit::append(&mut transaction, by, Entry::of("calibration.put").about(name).with(detail)).await?;
         transaction.commit().await?;
         Ok(row)
     }
@@ -285,10 +455,13 @@ impl Catalogue for SqliteCatalogue {
         calibrations::list(&mut *self.read().await?, after, limit).await
     }
 
-    async fn delete_calibration(&self, name: &str) -> Result<bool, CatalogueError> {
+    async fn delete_calibration(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         jobs::cancel_all(&mut transaction, Subject::Calibration(name)).await?;
         let deleted = calibrations::delete(&mut transaction, name).await?;
+        if deleted {
+            audit::append(&mut transaction, by, Entry::of("calibration.delete").about(name)).await?;
+        }
         transaction.commit().await?;
         self.hint();
         Ok(deleted)
@@ -300,9 +473,12 @@ impl Catalogue for SqliteCatalogue {
         calibration: &str,
         params: &str,
         blobs: &[String],
+        by: &Actor,
     ) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
         let job = jobs::enqueue_for_calibration(&mut transaction, kind, calibration, params, blobs).await?;
+        let detail = json!({"job": job.id, "kind": kind});
+        audit::append(&mut transaction, by, Entry::of("job.queue").about(calibration).with(detail)).await?;
         transaction.commit().await?;
         self.hint();
         Ok(job)
@@ -320,13 +496,21 @@ impl Catalogue for SqliteCatalogue {
         let job = jobs::finish(&mut transaction, id, token, JobState::Succeeded, Outcome::default()).await?;
         let name = job.calibration.unwrap_or_default();
         let row = calibrations::put(&mut transaction, &name, document, Some(expected)).await?;
+        audit::append(&mut transaction, &Actor::job(id), Entry::of("calibration.put").about(&name)).await?;
         transaction.commit().await?;
         Ok(row)
     }
 
-    async fn put_workcell(&self, name: &str, document: &str) -> Result<(WorkcellRow, bool), CatalogueError> {
+    async fn put_workcell(
+        &self,
+        name: &str,
+        document: &str,
+        by: &Actor,
+    ) -> Result<(WorkcellRow, bool), CatalogueError> {
         let mut transaction = self.write().await?;
         let put = workcells::put(&mut transaction, name, document).await?;
+        let detail = json!({"document": kept(document)});
+        audit::append(&mut transaction, by, Entry::of("workcell.put").about(name).with(detail)).await?;
         transaction.commit().await?;
         Ok(put)
     }
@@ -339,16 +523,32 @@ impl Catalogue for SqliteCatalogue {
         workcells::list(&mut *self.read().await?, after, limit).await
     }
 
-    async fn delete_workcell(&self, name: &str) -> Result<bool, CatalogueError> {
+    async fn delete_workcell(&self, name: &str, by: &Actor) -> Result<bool, CatalogueError> {
         let mut transaction = self.write().await?;
         let deleted = workcells::delete(&mut transaction, name).await?;
+        if deleted {
+            audit::append(&mut transaction, by, Entry::of("workcell.delete").about(name)).await?;
+        }
         transaction.commit().await?;
         Ok(deleted)
     }
 
-    async fn enqueue_job(&self, kind: &str, database: &str, params: &str) -> Result<JobRow, CatalogueError> {
+    async fn enqueue_job(
+        &self,
+        kind: &str,
+        database: &str,
+        params: &str,
+        by: &Actor,
+    ) -> Result<JobRow, CatalogueError> {
         let mut transaction = self.write().await?;
         let job = jobs::enqueue(&mut transaction, kind, database, params).await?;
+        let detail = json!({"kind": kind, "params": kept(params)});
+        audit::append(
+            &mut transaction,
+            by,
+            Entry::of("job.queue").in_database(database).about(job.id).with(detail),
+        )
+        .await?;
         transaction.commit().await?;
         self.hint();
         Ok(job)
@@ -403,9 +603,17 @@ impl Catalogue for SqliteCatalogue {
     ) -> Result<VersionRow, CatalogueError> {
         let mut transaction = self.write().await?;
         jobs::held_and_wanted(&mut transaction, id, token).await?;
-        let (version, _) = versions::insert(&mut transaction, new).await?;
+        let (version, is_new) = versions::insert(&mut transaction, new).await?;
+        if is_new {
+            let entry = Entry::of("version.publish").in_database(&new.database).about(version.version);
+            audit::append(&mut transaction, &Actor::job(id), entry.with(json!({"digest": new.digest})))
+                .await?;
+        }
         if let Some(alias) = promote_alias {
             aliases::set(&mut transaction, &new.database, alias, version.version, AliasExpectation::Any)
+                .await?;
+            let entry = Entry::of("alias.set").in_database(&new.database).about(alias);
+            audit::append(&mut transaction, &Actor::job(id), entry.with(json!({"version": version.version})))
                 .await?;
         }
         let outcome = Outcome { version: Some(version.version), comparison, ..Outcome::default() };
@@ -436,6 +644,9 @@ impl Catalogue for SqliteCatalogue {
             }
             if let Some(alias) = promote_alias {
                 aliases::set(&mut transaction, database, alias, version, AliasExpectation::Any).await?;
+                let entry = Entry::of("alias.set").in_database(database).about(alias);
+                audit::append(&mut transaction, &Actor::job(id), entry.with(json!({"version": version})))
+                    .await?;
             }
         }
         transaction.commit().await?;
@@ -460,9 +671,13 @@ impl Catalogue for SqliteCatalogue {
         Ok(job)
     }
 
-    async fn request_cancel(&self, id: Uuid) -> Result<Option<JobRow>, CatalogueError> {
+    async fn request_cancel(&self, id: Uuid, by: &Actor) -> Result<Option<JobRow>, CatalogueError> {
         let mut transaction = self.write().await?;
         let job = jobs::request_cancel(&mut transaction, id).await?;
+        if let Some(job) = &job {
+            let entry = Entry { database: job.database.as_deref(), ..Entry::of("job.cancel") };
+            audit::append(&mut transaction, by, entry.about(id)).await?;
+        }
         transaction.commit().await?;
         self.hint();
         Ok(job)
@@ -499,16 +714,69 @@ impl Catalogue for SqliteCatalogue {
         Ok(Vec::new())
     }
 
-    async fn is_blob_referenced(&self, blob: &str) -> Result<bool, CatalogueError> {
+    async fn insert_key(&self, new: &NewKey, by: &Actor) -> Result<KeyRow, CatalogueError> {
+        let mut transaction = self.write().await?;
+        let row = keys::insert(&mut transaction, new).await?;
+        audit::append(&mut transaction, by, Entry::of("key.create").about(&new.id).with(new.detail()))
+            .await?;
+        transaction.commit().await?;
+        self.hint();
+        Ok(row)
+    }
+
+    async fn keys(&self) -> Result<Vec<KeyRow>, CatalogueError> {
+        keys::list(&mut *self.read().await?).await
+    }
+
+    async fn revoke_key(&self, id: &str, by: &Actor) -> Result<Option<bool>, CatalogueError> {
+        let mut transaction = self.write().await?;
+        if keys::find(&mut transaction, id).await?.is_none() {
+            return Ok(None);
+        }
+        let revoked = keys::revoke(&mut transaction, id).await?;
+        if revoked {
+            audit::append(&mut transaction, by, Entry::of("key.revoke").about(id)).await?;
+        }
+        transaction.commit().await?;
+        self.hint();
+        Ok(Some(revoked))
+    }
+
+    async fn note_key_uses(&self, uses: &[(String, Timestamp)]) -> Result<(), CatalogueError> {
+        let mut transaction = self.write().await?;
+        for (id, at) in uses {
+            keys::note_use(&mut transaction, id, at.as_microsecond()).await?;
+        }
+        Ok(transaction.commit().await?)
+    }
+
+    async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Vec<AuditRow>, CatalogueError> {
+        audit::list(&mut *self.read().await?, filter, before, limit).await
+    }
+
+    async fn blobs_referenced(&self, blobs: &[String]) -> Result<Vec<String>, CatalogueError> {
         Ok(sqlx::query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM exemplars WHERE blob = ?1)
-                 OR EXISTS (SELECT 1 FROM versions WHERE blob = ?1)
-                 OR EXISTS (SELECT 1 FROM job_blobs b JOIN jobs j ON j.id = b.job
-                            WHERE b.blob = ?1 AND j.state IN ('queued', 'running'))",
+            "SELECT value FROM json_each(?1)
+             WHERE EXISTS (SELECT 1 FROM exemplars WHERE blob = value)
+                OR EXISTS (SELECT 1 FROM versions WHERE blob = value)
+                OR EXISTS (SELECT 1 FROM job_blobs b JOIN jobs j ON j.id = b.job
+                           WHERE b.blob = value AND j.state IN ('queued', 'running'))",
         )
-        .bind(blob)
-        .fetch_one(&mut *self.read().await?)
+        .bind(to_json(&blobs)?)
+        .fetch_all(&mut *self.read().await?)
         .await?)
+    }
+
+    async fn turn_to_collect(&self) -> Result<Option<Turn>, CatalogueError> {
+        let turn = CollectionLock::alone(&self.data_dir);
+        Ok(turn
+            .map_err(|source| CatalogueError::Unavailable { source: source.into() })?
+            .map(|lock| Box::new(lock) as Turn))
     }
 
     fn hints(&self) -> watch::Receiver<u64> {
@@ -519,6 +787,7 @@ impl Catalogue for SqliteCatalogue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::suite::by;
 
     async fn open(directory: &Path) -> SqliteCatalogue {
         let lock = Arc::new(FolderLock::take(directory).unwrap());
@@ -576,17 +845,30 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn the_audit_record_is_neither_rewritten_nor_shortened() {
+        let directory = tempfile::tempdir().unwrap();
+        let catalogue = open(directory.path()).await;
+        catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+        for statement in ["UPDATE audit SET actor = 'somebody else'", "DELETE FROM audit"] {
+            let refused = sqlx::query(statement).execute(&catalogue.writer).await.unwrap_err();
+            assert!(refused.to_string().contains("append-only"), "{refused}");
+        }
+        let record = catalogue.audit(&AuditFilter::default(), None, 9).await.unwrap();
+        assert_eq!(record.iter().map(|row| row.actor.name.as_str()).collect::<Vec<_>>(), ["tester"]);
+    }
+
+    #[tokio::test]
     async fn a_full_disk_makes_writes_unavailable_until_there_is_room() {
         let directory = tempfile::tempdir().unwrap();
         let catalogue = open(directory.path()).await;
         let large = "x".repeat(1 << 20);
         sqlx::query("PRAGMA max_page_count = 64").execute(&catalogue.writer).await.unwrap();
-        let refused = catalogue.create_database("lab", "landmarks", &large).await.unwrap_err();
+        let refused = catalogue.create_database("lab", "landmarks", &large, by()).await.unwrap_err();
         assert!(matches!(refused, CatalogueError::Unavailable { .. }), "{refused:?}");
         assert_eq!(catalogue.databases(None, 9).await.unwrap(), []);
 
         sqlx::query("PRAGMA max_page_count = 100000").execute(&catalogue.writer).await.unwrap();
-        assert!(catalogue.create_database("lab", "landmarks", &large).await.unwrap().1);
+        assert!(catalogue.create_database("lab", "landmarks", &large, by()).await.unwrap().1);
     }
 
     #[tokio::test]
@@ -601,8 +883,8 @@ mod tests {
         ] {
             let directory = tempfile::tempdir().unwrap();
             let catalogue = open(directory.path()).await;
-            catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
-            catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+            catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
+            catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
             sqlx::query(damage).execute(&catalogue.writer).await.unwrap();
             let refused = catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap_err();
             assert!(

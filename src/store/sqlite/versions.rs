@@ -123,3 +123,17 @@ pub async fn delete(
         .await?;
     Ok(done.rows_affected() > 0)
 }
+
+/// Those of these databases' versions that are there; `versions` is a JSON list of pairs.
+pub async fn digests(
+    connection: &mut SqliteConnection,
+    versions: &str,
+) -> Result<Vec<(String, i64, String)>, CatalogueError> {
+    Ok(sqlx::query_as(
+        "SELECT v.database, v.version, v.digest
+         FROM json_each(?1) w JOIN versions v ON v.database = w.value ->> 0 AND v.version = w.value ->> 1",
+    )
+    .bind(versions)
+    .fetch_all(connection)
+    .await?)
+}

@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use super::{Shared, exemplar, lab, label, robot};
+use super::{Shared, by, exemplar, lab, label, robot};
 use crate::store::{CatalogueError, DatabaseCounts, ExemplarFilter, ExemplarRow};
 
 pub async fn an_exemplar_is_inserted_once_and_read_back_whole(catalogue: Shared) {
@@ -32,7 +32,7 @@ pub async fn an_exemplar_is_inserted_once_and_read_back_whole(catalogue: Shared)
 
 pub async fn exemplars_are_filtered_and_paged_and_trained_in_one_order(catalogue: Shared) {
     lab(&catalogue).await;
-    catalogue.create_database("other", "landmarks", "{}").await.unwrap();
+    catalogue.create_database("other", "landmarks", "{}", by()).await.unwrap();
     for (number, label, robot_id) in [(4, "b", "r1"), (1, "b", "r2"), (3, "a", "r1"), (2, "c", "r1")] {
         let row = ExemplarRow { robot_id: Some(robot_id.to_owned()), ..exemplar("lab", number, label) };
         catalogue.insert_exemplar(&row).await.unwrap();
@@ -47,7 +47,7 @@ pub async fn exemplars_are_filtered_and_paged_and_trained_in_one_order(catalogue
     assert_eq!(list(&ExemplarFilter::default(), Some(3), 3).await, [4]);
     assert_eq!(list(&label("b"), None, 9).await, [1, 4]);
     assert_eq!(list(&robot("r1"), None, 9).await, [2, 3, 4]);
-    let both = ExemplarFilter { label: label("b").label, robot_id: robot("r1").robot_id };
+    let both = ExemplarFilter { robot_id: robot("r1").robot_id, ..label("b") };
     assert_eq!(list(&both, None, 9).await, [4]);
 
     let trained = catalogue.training_set("lab").await.unwrap();
@@ -62,12 +62,12 @@ pub async fn exemplars_are_deleted_one_by_one_or_by_a_filter_that_names_somethin
     for (number, label) in [(1, "a"), (2, "b"), (3, "b"), (4, "c")] {
         catalogue.insert_exemplar(&exemplar("lab", number, label)).await.unwrap();
     }
-    assert!(catalogue.delete_exemplar("lab", Uuid::from_u128(1)).await.unwrap());
-    assert!(!catalogue.delete_exemplar("lab", Uuid::from_u128(1)).await.unwrap());
-    let refused = catalogue.delete_exemplars("lab", &ExemplarFilter::default()).await.unwrap_err();
+    assert!(catalogue.delete_exemplar("lab", Uuid::from_u128(1), by()).await.unwrap());
+    assert!(!catalogue.delete_exemplar("lab", Uuid::from_u128(1), by()).await.unwrap());
+    let refused = catalogue.delete_exemplars("lab", &ExemplarFilter::default(), by()).await.unwrap_err();
     assert!(matches!(refused, CatalogueError::EmptyFilter), "{refused:?}");
-    assert_eq!(catalogue.delete_exemplars("lab", &robot("r1")).await.unwrap(), 0);
-    assert_eq!(catalogue.delete_exemplars("lab", &label("b")).await.unwrap(), 2);
+    assert_eq!(catalogue.delete_exemplars("lab", &robot("r1"), by()).await.unwrap(), 0);
+    assert_eq!(catalogue.delete_exemplars("lab", &label("b"), by()).await.unwrap(), 2);
     let left = catalogue.training_set("lab").await.unwrap();
     assert_eq!(left.iter().map(|row| row.id.as_u128()).collect::<Vec<_>>(), [4]);
 }

@@ -5,14 +5,14 @@ use std::collections::HashSet;
 use futures_util::future::join_all;
 use uuid::Uuid;
 
-use super::{LEASE, NO_LEASE, Shared, TRAINING, artifact, lab, numbers};
+use super::{LEASE, NO_LEASE, Shared, TRAINING, artifact, by, lab, numbers};
 use crate::store::{AliasExpectation, CatalogueError, JobFilter, JobState, Progress, Renewal};
 
 pub async fn eight_workers_claim_two_hundred_jobs_once_each(catalogue: Shared) {
     lab(&catalogue).await;
     let mut queued = HashSet::new();
     for _ in 0..200 {
-        queued.insert(catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id);
+        queued.insert(catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id);
     }
     let tasks = (0..8).map(|worker| {
         let catalogue = catalogue.clone();
@@ -32,12 +32,12 @@ pub async fn eight_workers_claim_two_hundred_jobs_once_each(catalogue: Shared) {
 }
 
 pub async fn the_oldest_waiting_job_of_a_kind_is_claimed_first(catalogue: Shared) {
-    let unknown = catalogue.enqueue_job("training", "lab", "{}").await.unwrap_err();
+    let unknown = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap_err();
     assert!(matches!(unknown, CatalogueError::NotFound { .. }), "{unknown:?}");
     lab(&catalogue).await;
-    let sweep = catalogue.enqueue_job("sweep", "lab", r#"{"n":0}"#).await.unwrap();
-    let first = catalogue.enqueue_job("training", "lab", r#"{"n":1}"#).await.unwrap();
-    let second = catalogue.enqueue_job("training", "lab", r#"{"n":2}"#).await.unwrap();
+    let sweep = catalogue.enqueue_job("sweep", "lab", r#"{"n":0}"#, by()).await.unwrap();
+    let first = catalogue.enqueue_job("training", "lab", r#"{"n":1}"#, by()).await.unwrap();
+    let second = catalogue.enqueue_job("training", "lab", r#"{"n":2}"#, by()).await.unwrap();
     assert_eq!((first.state, first.token, first.attempts), (JobState::Queued, 0, 0));
 
     let claim = async |kinds: &[&str]| {
@@ -52,7 +52,7 @@ pub async fn the_oldest_waiting_job_of_a_kind_is_claimed_first(catalogue: Shared
 
 pub async fn a_worker_that_lost_its_lease_can_finish_nothing(catalogue: Shared) {
     lab(&catalogue).await;
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let slow = catalogue.claim_job("slow", TRAINING, NO_LEASE, 3).await.unwrap().unwrap();
     let quick = catalogue.claim_job("quick", TRAINING, LEASE, 3).await.unwrap().unwrap();
     assert_eq!((slow.id, quick.id), (id, id));
@@ -86,8 +86,8 @@ pub async fn a_worker_that_lost_its_lease_can_finish_nothing(catalogue: Shared) 
 
 pub async fn a_job_that_never_finishes_fails_with_the_reason(catalogue: Shared) {
     lab(&catalogue).await;
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
-    let next = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
+    let next = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     for attempt in 1..=2 {
         let job = catalogue.claim_job("w", TRAINING, NO_LEASE, 2).await.unwrap().unwrap();
         assert_eq!((job.id, job.attempts), (id, attempt));
@@ -104,20 +104,20 @@ pub async fn a_job_that_never_finishes_fails_with_the_reason(catalogue: Shared) 
 
 pub async fn a_queued_job_is_cancelled_at_once_and_a_running_one_is_told(catalogue: Shared) {
     lab(&catalogue).await;
-    assert_eq!(catalogue.request_cancel(Uuid::from_u128(1)).await.unwrap(), None);
+    assert_eq!(catalogue.request_cancel(Uuid::from_u128(1), by()).await.unwrap(), None);
 
-    let queued = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
-    let cancelled = catalogue.request_cancel(queued).await.unwrap().unwrap();
+    let queued = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
+    let cancelled = catalogue.request_cancel(queued, by()).await.unwrap().unwrap();
     assert_eq!(cancelled.state, JobState::Cancelled);
     assert!(cancelled.finished_at.is_some());
-    assert_eq!(catalogue.request_cancel(queued).await.unwrap(), Some(cancelled));
+    assert_eq!(catalogue.request_cancel(queued, by()).await.unwrap(), Some(cancelled));
 
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     assert_eq!(job.id, id);
     let renew = async || catalogue.renew_job(id, job.token, LEASE, None).await.unwrap();
     assert_eq!(renew().await, Renewal { cancel_requested: false });
-    let told = catalogue.request_cancel(id).await.unwrap().unwrap();
+    let told = catalogue.request_cancel(id, by()).await.unwrap().unwrap();
     assert_eq!((told.state, told.cancel_requested), (JobState::Running, true));
     assert_eq!(renew().await, Renewal { cancel_requested: true });
     let cancelled = catalogue.cancelled_job(id, job.token).await.unwrap();
@@ -126,18 +126,18 @@ pub async fn a_queued_job_is_cancelled_at_once_and_a_running_one_is_told(catalog
 
 pub async fn a_cancelled_job_of_a_dead_worker_is_not_taken_up_again(catalogue: Shared) {
     lab(&catalogue).await;
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     catalogue.claim_job("dead", TRAINING, NO_LEASE, 3).await.unwrap().unwrap();
-    catalogue.request_cancel(id).await.unwrap();
+    catalogue.request_cancel(id, by()).await.unwrap();
     assert_eq!(catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap(), None);
     assert_eq!(catalogue.job(id).await.unwrap().unwrap().state, JobState::Cancelled);
 }
 
 pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) {
     lab(&catalogue).await;
-    catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
-    catalogue.set_alias("lab", "current", 1, AliasExpectation::Any).await.unwrap();
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    catalogue.insert_version(&artifact("lab", "d1"), by()).await.unwrap();
+    catalogue.set_alias("lab", "current", 1, AliasExpectation::Any, by()).await.unwrap();
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let version =
         catalogue.publish(id, job.token, &artifact("lab", "d2"), Some("current"), None).await.unwrap();
@@ -150,7 +150,7 @@ pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) 
 
     // Not promoted: the alias stays, and what came of comparing is kept with the job and its last event.
     for version in [None, Some(1)] {
-        catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
         let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
         let compared = Some(r#"{"trials":7}"#);
         match version {
@@ -169,7 +169,7 @@ pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) 
 
 pub async fn a_publish_that_fails_changes_nothing(catalogue: Shared) {
     lab(&catalogue).await;
-    let id = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let refused =
         catalogue.publish(id, job.token, &artifact("gone", "d1"), Some("current"), None).await.unwrap_err();
@@ -190,7 +190,7 @@ pub async fn concurrent_publishes_of_one_digest_give_one_version(catalogue: Shar
     lab(&catalogue).await;
     let mut jobs = Vec::new();
     for _ in 0..4 {
-        catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+        catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
         jobs.push(catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap());
     }
     let tasks = jobs.iter().map(|job| {
@@ -211,8 +211,8 @@ pub async fn concurrent_publishes_of_one_digest_give_one_version(catalogue: Shar
 
 pub async fn a_job_succeeds_with_a_version_that_was_there(catalogue: Shared) {
     lab(&catalogue).await;
-    catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
-    catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    catalogue.insert_version(&artifact("lab", "d1"), by()).await.unwrap();
+    catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let done = catalogue.succeed_job(job.id, job.token, Some(1), Some("current"), None).await.unwrap();
     assert_eq!((done.state, done.version), (JobState::Succeeded, Some(1)));
@@ -222,13 +222,13 @@ pub async fn a_job_succeeds_with_a_version_that_was_there(catalogue: Shared) {
 
 pub async fn a_job_handed_back_loses_no_attempt(catalogue: Shared) {
     lab(&catalogue).await;
-    let back = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
-    let ended = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
-    let others = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let back = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
+    let ended = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
+    let others = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let job = catalogue.claim_job("leaving", TRAINING, LEASE, 1).await.unwrap().unwrap();
     catalogue.claim_job("leaving", TRAINING, LEASE, 1).await.unwrap().unwrap();
     catalogue.claim_job("staying", TRAINING, LEASE, 1).await.unwrap().unwrap();
-    catalogue.request_cancel(ended).await.unwrap();
+    catalogue.request_cancel(ended, by()).await.unwrap();
 
     assert_eq!(catalogue.hand_back_jobs("leaving").await.unwrap(), 2);
     assert_eq!(catalogue.hand_back_jobs("leaving").await.unwrap(), 0);
@@ -247,9 +247,9 @@ pub async fn a_job_handed_back_loses_no_attempt(catalogue: Shared) {
 
 pub async fn the_leases_of_dead_owners_end_now(catalogue: Shared) {
     lab(&catalogue).await;
-    let dead = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let dead = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     catalogue.claim_job("dead", TRAINING, LEASE, 3).await.unwrap().unwrap();
-    let ours = catalogue.enqueue_job("training", "lab", "{}").await.unwrap().id;
+    let ours = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
     let held = catalogue.claim_job("us", TRAINING, LEASE, 3).await.unwrap().unwrap();
     assert_eq!(held.id, ours);
     assert_eq!(catalogue.claim_job("us", TRAINING, LEASE, 3).await.unwrap(), None);
@@ -263,7 +263,7 @@ pub async fn the_leases_of_dead_owners_end_now(catalogue: Shared) {
 
 pub async fn every_change_of_state_or_progress_is_an_event(catalogue: Shared) {
     lab(&catalogue).await;
-    let id = catalogue.enqueue_job("training", "lab", r#"{"top":1}"#).await.unwrap().id;
+    let id = catalogue.enqueue_job("training", "lab", r#"{"top":1}"#, by()).await.unwrap().id;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let step = |done| Progress { stage: "signatures".to_owned(), done, total: 2 };
     for progress in [Some(step(1)), Some(step(1)), None, Some(step(2))] {
@@ -300,10 +300,10 @@ pub async fn every_change_of_state_or_progress_is_an_event(catalogue: Shared) {
 
 pub async fn jobs_come_newest_first_and_are_counted_by_state(catalogue: Shared) {
     lab(&catalogue).await;
-    catalogue.create_database("other", "landmarks", "{}").await.unwrap();
+    catalogue.create_database("other", "landmarks", "{}", by()).await.unwrap();
     let mut ids = Vec::new();
     for database in ["lab", "other", "lab", "lab"] {
-        ids.push(catalogue.enqueue_job("training", database, "{}").await.unwrap().id);
+        ids.push(catalogue.enqueue_job("training", database, "{}", by()).await.unwrap().id);
     }
     let claimed = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     assert_eq!(claimed.id, ids[0]);

@@ -9,22 +9,24 @@ mod calibrations;
 mod databases;
 mod exemplars;
 mod jobs;
+mod keys;
 mod versions;
 mod workcells;
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use super::{AliasExpectation, Catalogue, ExemplarFilter, ExemplarRow, NewVersion};
+use super::{Actor, AliasExpectation, Catalogue, ExemplarFilter, ExemplarRow, NewVersion};
 
 pub use self::aliases::*;
 pub use self::calibrations::*;
 pub use self::databases::*;
 pub use self::exemplars::*;
 pub use self::jobs::*;
+pub use self::keys::*;
 pub use self::versions::*;
 pub use self::workcells::*;
 
@@ -63,6 +65,8 @@ macro_rules! catalogue_suite {
             every_change_of_state_or_progress_is_an_event
             jobs_come_newest_first_and_are_counted_by_state
             a_blob_is_referenced_while_a_row_names_it
+            one_at_a_time_has_the_turn_to_collect
+            the_digests_of_many_versions_come_in_one_answer
             a_calibration_is_replaced_only_from_the_expected_revision
             calibrations_come_in_pages_by_name
             a_job_about_a_calibration_keeps_its_blobs_until_it_ends
@@ -70,6 +74,8 @@ macro_rules! catalogue_suite {
             deleting_a_calibration_ends_its_jobs
             a_workcell_is_replaced_by_who_writes_last
             workcells_come_in_pages_by_name
+            a_key_is_kept_and_ends_once
+            a_change_and_its_entry_are_one_transaction
             a_call_dropped_midway_leaves_the_catalogue_whole
             what_others_wait_for_is_hinted_at
         }
@@ -123,16 +129,22 @@ fn artifact(database: &str, digest: &str) -> NewVersion {
     }
 }
 
+/// Who makes the changes of the tests.
+pub fn by() -> &'static Actor {
+    static TESTER: LazyLock<Actor> = LazyLock::new(|| Actor::named("tester"));
+    &TESTER
+}
+
 fn label(label: &str) -> ExemplarFilter {
-    ExemplarFilter { label: Some(label.to_owned()), robot_id: None }
+    ExemplarFilter { label: Some(label.to_owned()), ..ExemplarFilter::default() }
 }
 
 fn robot(robot_id: &str) -> ExemplarFilter {
-    ExemplarFilter { label: None, robot_id: Some(robot_id.to_owned()) }
+    ExemplarFilter { robot_id: Some(robot_id.to_owned()), ..ExemplarFilter::default() }
 }
 
 async fn lab(catalogue: &Shared) {
-    catalogue.create_database("lab", "landmarks", "{}").await.unwrap();
+    catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
 }
 
 async fn numbers(catalogue: &Shared) -> Vec<i64> {
@@ -142,17 +154,57 @@ async fn numbers(catalogue: &Shared) -> Vec<i64> {
 pub async fn a_blob_is_referenced_while_a_row_names_it(catalogue: Shared) {
     lab(&catalogue).await;
     let row = exemplar("lab", 1, "a");
-    let referenced = async |blob: &str| catalogue.is_blob_referenced(blob).await.unwrap();
+    let referenced = async |blob: &str| is_referenced(&catalogue, blob).await;
     assert!(!referenced(&row.blob).await);
     catalogue.insert_exemplar(&row).await.unwrap();
     assert!(referenced(&row.blob).await);
-    catalogue.delete_exemplar("lab", row.id).await.unwrap();
+    catalogue.delete_exemplar("lab", row.id, by()).await.unwrap();
     assert!(!referenced(&row.blob).await);
 
-    catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
+    catalogue.insert_version(&artifact("lab", "d1"), by()).await.unwrap();
     assert!(referenced("blob of d1").await);
-    catalogue.delete_version("lab", 1).await.unwrap();
+    let asked = ["blob of d1", &row.blob, "another"].map(str::to_owned);
+    assert_eq!(catalogue.blobs_referenced(&asked).await.unwrap(), ["blob of d1"]);
+    assert!(catalogue.blobs_referenced(&[]).await.unwrap().is_empty());
+    catalogue.delete_version("lab", 1, by()).await.unwrap();
     assert!(!referenced("blob of d1").await);
+}
+
+async fn is_referenced(catalogue: &Shared, blob: &str) -> bool {
+    !catalogue.blobs_referenced(&[blob.to_owned()]).await.unwrap().is_empty()
+}
+
+pub async fn one_at_a_time_has_the_turn_to_collect(catalogue: Shared) {
+    let turn = catalogue.turn_to_collect().await.unwrap();
+    assert!(turn.is_some());
+    assert!(catalogue.turn_to_collect().await.unwrap().is_none());
+    drop(turn);
+    for _ in 0..500 {
+        if catalogue.turn_to_collect().await.unwrap().is_some() {
+            return;
+        }
+        // PostgreSQL notices a closed connection a moment later.
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    panic!("the turn is never free again");
+}
+
+pub async fn the_digests_of_many_versions_come_in_one_answer(catalogue: Shared) {
+    lab(&catalogue).await;
+    catalogue.create_database("hall", "landmarks", "{}", by()).await.unwrap();
+    for (database, digest) in [("lab", "d1"), ("lab", "d2"), ("hall", "h1")] {
+        catalogue.insert_version(&artifact(database, digest), by()).await.unwrap();
+    }
+    catalogue.delete_version("lab", 1, by()).await.unwrap();
+    let asked = [("lab", 1), ("lab", 2), ("hall", 1), ("hall", 2), ("none", 1)];
+    let asked = asked.map(|(database, version)| (database.to_owned(), version));
+    let mut kept = catalogue.digests(&asked).await.unwrap();
+    kept.sort();
+    let expected = [("hall", 1, "h1"), ("lab", 2, "d2")];
+    assert_eq!(
+        kept,
+        expected.map(|(database, version, digest)| (database.to_owned(), version, digest.to_owned()))
+    );
 }
 
 pub async fn a_call_dropped_midway_leaves_the_catalogue_whole(catalogue: Shared) {
@@ -160,7 +212,7 @@ pub async fn a_call_dropped_midway_leaves_the_catalogue_whole(catalogue: Shared)
     let mut dropped = 0;
     for round in 0..300 {
         let new = artifact("lab", &format!("d{round}"));
-        let mut call = std::pin::pin!(catalogue.insert_version(&new));
+        let mut call = std::pin::pin!(catalogue.insert_version(&new, by()));
         // looked at once more each round, so that it is dropped ever later; the first look only begins it
         let mut inserted = futures_util::poll!(call.as_mut());
         for _ in 0..round {
@@ -176,30 +228,30 @@ pub async fn a_call_dropped_midway_leaves_the_catalogue_whole(catalogue: Shared)
     }
     assert!(dropped > 0, "a call that was looked at once can't have ended");
     // What was rolled back took no number, and the writer isn't stuck in somebody's transaction.
-    let (last, created) = catalogue.insert_version(&artifact("lab", "last")).await.unwrap();
+    let (last, created) = catalogue.insert_version(&artifact("lab", "last"), by()).await.unwrap();
     assert!(created);
     assert_eq!(numbers(&catalogue).await, (1..=last.version).collect::<Vec<_>>());
 }
 
 pub async fn what_others_wait_for_is_hinted_at(catalogue: Shared) {
     lab(&catalogue).await;
-    catalogue.insert_version(&artifact("lab", "d1")).await.unwrap();
+    catalogue.insert_version(&artifact("lab", "d1"), by()).await.unwrap();
     let mut hints = catalogue.hints();
     let mut hinted = async || {
         tokio::time::timeout(Duration::from_secs(5), hints.changed()).await.expect("a hint").unwrap();
         hints.mark_unchanged();
     };
-    catalogue.set_alias("lab", "current", 1, AliasExpectation::Any).await.unwrap();
+    catalogue.set_alias("lab", "current", 1, AliasExpectation::Any, by()).await.unwrap();
     hinted().await;
-    let queued = catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    let queued = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
     hinted().await;
-    catalogue.request_cancel(queued.id).await.unwrap();
+    catalogue.request_cancel(queued.id, by()).await.unwrap();
     hinted().await;
-    catalogue.enqueue_job("training", "lab", "{}").await.unwrap();
+    catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
     hinted().await;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     catalogue.publish(job.id, job.token, &artifact("lab", "d2"), Some("current"), None).await.unwrap();
     hinted().await;
-    catalogue.delete_database("lab").await.unwrap();
+    catalogue.delete_database("lab", by()).await.unwrap();
     hinted().await;
 }

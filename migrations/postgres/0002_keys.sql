@@ -1,0 +1,39 @@
+-- API keys. Of a key only the hash is kept. A revoked key stays: its name stands in the record, and a service that
+-- ever had a key never opens again because the last one went.
+CREATE TABLE keys (
+    id             TEXT COLLATE "C" NOT NULL PRIMARY KEY,
+    name           TEXT             NOT NULL,
+    -- SHA-256 of the whole key, hex.
+    hash           TEXT             NOT NULL,
+    scope          TEXT             NOT NULL,
+    -- JSON array of name patterns; NULL: every database.
+    databases      TEXT,
+    requests_per_s BIGINT,
+    created_at     BIGINT           NOT NULL,
+    last_used_at   BIGINT,
+    revoked_at     BIGINT
+);
+
+-- Who changed what. Written in the transaction of the change, and never again.
+CREATE TABLE audit (
+    id         BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    at         BIGINT           NOT NULL,
+    -- The key that the call came with, and its name; or, without a key, who else it was.
+    key        TEXT COLLATE "C",
+    actor      TEXT             NOT NULL,
+    request_id TEXT,
+    action     TEXT             NOT NULL,
+    database   TEXT COLLATE "C",
+    -- What of it: an alias, a version's number, an exemplar's id, a key's id …
+    subject    TEXT,
+    -- JSON.
+    detail     TEXT             NOT NULL
+);
+
+CREATE INDEX audit_by_database ON audit (database, id);
+CREATE INDEX audit_by_key ON audit (key, id);
+
+CREATE FUNCTION audit_is_append_only() RETURNS TRIGGER LANGUAGE plpgsql
+    AS 'BEGIN RAISE EXCEPTION ''the audit record is append-only''; END';
+CREATE TRIGGER audit_is_not_rewritten BEFORE UPDATE OR DELETE OR TRUNCATE ON audit
+    FOR EACH STATEMENT EXECUTE FUNCTION audit_is_append_only();
