@@ -1,0 +1,64 @@
+//! Artifact files: what a changed one needs to be read on, and what a read one must stand.
+
+use landmarkd::database::artifact::{self, Artifact};
+use landmarkd::database::{Model, Options};
+use landmarkd::imaging::{Frame, Image};
+use landmarkd::recognition::{landmarks, objects};
+
+use crate::drawn;
+use crate::site::{Asked, ask};
+
+/// Artifacts of every kind and method, as the service gives them.
+pub fn trained() -> Vec<Vec<u8>> {
+    let files = ["lab", "placed", "parts"].map(|database| {
+        let target = format!("/v1/databases/{database}/versions/1/artifact");
+        let answer = ask(Asked { method: "GET", target: &target, ..Asked::default() });
+        answer.expect("this is a request").body.to_vec()
+    });
+    files.into()
+}
+
+const CHECKSUM: &[u8] = br#"\"checksum\":\""#;
+const CHECKSUM_DIGITS: usize = 64;
+
+/// The file with its checksum put right, if there is a place for one.
+pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
+    let before = file.windows(CHECKSUM.len()).position(|window| window == CHECKSUM)?;
+    let digits = before + CHECKSUM.len()..before + CHECKSUM.len() + CHECKSUM_DIGITS;
+    let mut sealed = file.to_vec();
+    sealed.get_mut(digits.clone())?.fill(b'0');
+    let checksum = blake3::hash(&sealed).to_hex();
+    sealed[digits].copy_from_slice(checksum.as_bytes());
+    Some(sealed)
+}
+
+/// Read a file; one that is taken must be whole: it recognises, and it writes itself.
+pub fn read(file: &[u8]) {
+    let Ok(read) = artifact::read(file) else { return };
+    let written = artifact::write(&read);
+    let again = artifact::read(&written).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
+    assert!(artifact::write(&again) == written, "the same version gives the same bytes");
+    use_it(&read);
+}
+
+fn use_it(artifact: &Artifact) {
+    assert!(artifact.model.options().faults().is_empty(), "options that can't be were taken");
+    let flat = |side_px| Frame::gray(Image::from_fn(side_px, side_px, |_, _| 7.0));
+    for frame in [drawn::scene(1), flat(1), flat(20)] {
+        match &artifact.model {
+            Model::Landmarks(model) => {
+                let recognition = model.recognise(&frame, |_| ());
+                landmarks::annotate(&frame, &recognition, model);
+                model.labels();
+            }
+            Model::Objects(model) => {
+                if let Ok(recognition) = model.recognise(&frame, |_| ()) {
+                    objects::annotate(&frame, &recognition);
+                }
+                model.mean_picture();
+                model.eigenimage(0);
+            }
+        }
+    }
+    let _: Options = artifact.model.options();
+}
