@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which rooms a room may use. The rooms that only wire may use all.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("imaging", &[]),
     ("vision", &["imaging"]),
     ("eigen", &[]),
@@ -18,9 +18,12 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging"]),
     ("store", &[]),
     ("compute", &[]),
+    ("access", &["store"]),
     ("config", &[]),
     // Settings say how log lines are written.
     ("telemetry", &["config"]),
+    ("connections", &["config"]),
+    ("tls", &["config", "telemetry"]),
     ("database", &["workcell", "recognition", "depth", "vision", "store", "compute", "telemetry"]),
     // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
     // described.
@@ -29,6 +32,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     (
         "http",
         &[
+            "access",
             "database",
             "jobs",
             "compute",
@@ -45,10 +49,10 @@ const ARROWS: [(&str, &[&str]); 13] = [
 ];
 
 /// Rooms that wire the others together.
-const WIRING: [&str; 5] = ["lib", "main", "serve", "demo", "evaluate"];
+const WIRING: [&str; 6] = ["lib", "main", "serve", "keys", "demo", "evaluate"];
 
 /// Where a word may stand: folders or files of `src`.
-const DOORS: [(&str, &[&str]); 32] = [
+const DOORS: [(&str, &[&str]); 37] = [
     ("image::", &["imaging"]),
     ("embedded_graphics", &["imaging"]),
     ("colorous", &["imaging/false_colour.rs"]),
@@ -62,28 +66,48 @@ const DOORS: [(&str, &[&str]); 32] = [
     ("object_store", &["store"]),
     ("blake3", &["store"]),
     // The one crypto provider of the process is installed there.
-    ("rustls", &["store/bucket.rs", "main.rs", "demo/client.rs"]),
+    ("rustls", &["store/bucket.rs", "main.rs", "demo/client.rs", "connections.rs", "tls.rs"]),
+    ("tokio_rustls", &["connections.rs"]),
     // The sum of an exemplar's bytes is part of the contract, not of the store.
-    ("sha2", &["database/exemplar.rs"]),
+    ("sha2", &["database/exemplar.rs", "access/key.rs"]),
+    ("subtle", &["access/key.rs"]),
+    ("getrandom", &["access"]),
+    ("governor", &["access/keyring.rs"]),
     ("safetensors", &["database/artifact"]),
-    ("arc_swap", &["database/registry.rs"]),
-    ("glob::", &["config.rs", "database"]),
+    ("arc_swap", &["database/registry.rs", "access/keyring.rs"]),
+    ("glob::", &["config.rs", "database", "access/keyring.rs"]),
     ("rayon", &["compute.rs"]),
     ("prometheus", &["telemetry.rs"]),
-    ("tracing", &["store/cache.rs", "database", "jobs", "http", "serve.rs", "main.rs", "demo", "evaluate"]),
+    (
+        "tracing",
+        &[
+            "store/cache.rs",
+            "database",
+            "jobs",
+            "http",
+            "connections.rs",
+            "serve.rs",
+            "tls.rs",
+            "main.rs",
+            "demo",
+            "evaluate",
+        ],
+    ),
     ("tracing_subscriber", &["telemetry.rs"]),
-    ("axum::", &["http"]),
+    // The body of an answer is given in pieces there.
+    ("axum::", &["http", "connections.rs"]),
     ("utoipa", &["http"]),
     ("tower_http", &["http"]),
     ("http_body_util", &["http"]),
-    ("axum_server", &["serve.rs"]),
-    ("hyper_util", &["serve.rs"]),
+    ("hyper", &["connections.rs"]),
+    ("hyper_util", &["connections.rs"]),
+    ("rustix", &["compute.rs", "serve.rs"]),
     ("reqwest", &["main.rs", "demo"]),
     // The flags of a verb name their variables beside the verb; clap reads them.
     ("env =", &["config.rs", "main.rs"]),
-    ("clap", &["config.rs", "main.rs", "demo", "evaluate"]),
+    ("clap", &["config.rs", "keys.rs", "main.rs", "demo", "evaluate"]),
     ("anyhow", &["main.rs"]),
-    ("crate::store", &["database", "jobs", "serve.rs", "http/problem.rs"]),
+    ("crate::store", &["access", "database", "jobs", "keys.rs", "serve.rs", "http/problem.rs"]),
 ];
 
 /// Rooms of values in, values out.

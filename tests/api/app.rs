@@ -5,6 +5,7 @@
 //! running fails when its app is dropped, unless it says so with [`App::leave_jobs`].
 
 use std::error::Error;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,6 +15,7 @@ use axum::http::{HeaderMap, Method, Request, header, request};
 use bytes::Bytes;
 use futures_util::stream;
 use http_body_util::BodyExt;
+use landmarkd::access::{Actor, Grant, Scope};
 use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::database::JobState;
 use landmarkd::http::{self, Service};
@@ -40,6 +42,8 @@ pub struct App {
     shutdown: watch::Sender<bool>,
     folder: Arc<TempDir>,
     may_leave_jobs: bool,
+    /// Sent with every request that has none of its own.
+    key: Option<String>,
 }
 
 impl App {
@@ -86,6 +90,7 @@ impl App {
             shutdown,
             folder,
             may_leave_jobs: false,
+            key: None,
         }
     }
 
@@ -93,6 +98,31 @@ impl App {
     pub fn begin(&mut self) {
         let parts = self.held.take().expect("the background work begins once");
         self.background = Some(parts.start().1);
+    }
+
+    /// Send this key with every request from now on, or none.
+    pub fn use_key(&mut self, key: Option<&str>) {
+        self.key = key.map(str::to_owned);
+    }
+
+    /// Make the first key, of scope admin, as the command line does, and send it from now on; its text and its id.
+    pub async fn close(&mut self) -> (String, String) {
+        let grant =
+            Grant { name: "operator".into(), scope: Scope::Admin, databases: None, requests_per_s: None };
+        let made = self.service.keyring.create(&grant, &Actor::named("command line")).await.unwrap();
+        self.use_key(Some(made.key.reveal()));
+        (made.key.reveal().to_owned(), made.row.id)
+    }
+
+    /// Make a key, `{name, scope, …}`; its text and its id.
+    pub async fn make_key(&self, body: Value) -> (String, String) {
+        let made = self.post("/v1/keys", body).await.expect(201);
+        (made["key"].as_str().unwrap().to_owned(), made["id"].as_str().unwrap().to_owned())
+    }
+
+    /// The folder that it works in.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     /// Jobs may be left unfinished when the app is dropped.
@@ -116,7 +146,13 @@ impl App {
         answer
     }
 
-    async fn answer(&self, request: Request<Body>) -> Answer {
+    async fn answer(&self, mut request: Request<Body>) -> Answer {
+        if let Some(key) = &self.key
+            && !request.headers().contains_key(header::AUTHORIZATION)
+        {
+            let value = format!("Bearer {key}").parse().unwrap();
+            request.headers_mut().insert(header::AUTHORIZATION, value);
+        }
         let asked = format!("{} {}", request.method(), request.uri());
         let answering = async {
             let response = self.router.clone().oneshot(request).await.unwrap();
@@ -133,6 +169,11 @@ impl App {
         let answer = self.ask(request).await;
         assert!(answer.status < 500, "{answer:?}");
         answer
+    }
+
+    /// Ask for what isn't held against what all answers promise.
+    pub async fn send_as_it_is(&self, request: Request<Body>) -> Answer {
+        self.answer(request).await
     }
 
     /// Ask when the service may be unable to answer.

@@ -1,17 +1,21 @@
 //! What the service promises its users, one file a promise: the real router over an embedded store in a temporary
-//! folder, no ports. Only `restarts` starts the real binary.
+//! folder, no ports. Only `restarts` and `tls` start the real binary, and `connections` listens.
 
 mod app;
 mod depth_pictures;
 mod pictures;
 mod process;
 
+mod audit;
 mod calibrations;
+mod connections;
 mod depth_maps;
 mod exemplars;
 mod freeform;
 mod gate;
+mod hostile;
 mod jobs;
+mod keys;
 mod limits;
 mod main_job;
 mod objects;
@@ -21,6 +25,8 @@ mod restarts;
 mod segmentations;
 mod service;
 mod swaps;
+mod tls;
 mod tracks;
+mod unlearning;
 mod versions;
 mod workcells;

@@ -36,10 +36,17 @@ impl Process {
 
     /// The same with more said on the command line or in the environment.
     pub fn start_with(folder: &Path, say: impl FnOnce(&mut Command)) -> Self {
+        Self::try_start_with(folder, say).unwrap_or_else(|log| panic!("the service doesn't listen: {log:#?}"))
+    }
+
+    /// The same; the log of one that ended, or hasn't come as far as to listen after a while.
+    pub fn try_start_with(folder: &Path, say: impl FnOnce(&mut Command)) -> Result<Self, Vec<String>> {
         let mut command = landmarkd();
         command
-            .args(["serve", "--bind", "127.0.0.1:0", "--threads", "2", "--log-format", "json", "--data-dir"])
+            .args(["serve", "--threads", "2", "--log-format", "json", "--data-dir"])
             .arg(folder)
+            // Not a flag, so that one may say otherwise.
+            .env("LANDMARKD_BIND", "127.0.0.1:0")
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
         say(&mut command);
@@ -48,21 +55,27 @@ impl Process {
         let stderr = BufReader::new(child.stderr.take().unwrap());
         let log = std::thread::spawn(move || {
             let mut lines = Vec::new();
-            for line in stderr.lines().map_while(Result::ok) {
+            let mut stderr = stderr.lines().map_while(Result::ok);
+            for line in stderr.by_ref() {
                 let event: Value = serde_json::from_str(&line).unwrap_or_default();
-                if let Some(address) = event["address"].as_str() {
-                    // Nobody waits for a second one.
-                    let _ = found.send(address.to_owned());
-                }
+                let address = event["address"].as_str().map(str::to_owned);
                 lines.push(line);
+                if let Some(address) = address {
+                    // Nobody waits any more if it came late.
+                    let _ = found.send(address);
+                    break;
+                }
             }
+            lines.extend(stderr);
             lines
         });
+        // The other end is dropped when the process ends.
         let Ok(address) = address.recv_timeout(Duration::from_secs(20)) else {
             let _ = child.kill();
-            panic!("the service doesn't listen: {:?}", log.join());
+            let _ = child.wait();
+            return Err(log.join().unwrap());
         };
-        Self { child, url: format!("http://{address}"), log: Some(log) }
+        Ok(Self { child, url: format!("http://{address}"), log: Some(log) })
     }
 
     /// The address without its scheme.

@@ -4,13 +4,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
+use reqwest::header::{AUTHORIZATION, HeaderMap};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::bucket::Bucket;
 use crate::pictures::{png, scene};
 use crate::postgres::Cluster;
-use crate::process::Process;
+use crate::process::{Process, landmarkd};
 
 /// Longer than any wait of a test should be.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -47,6 +48,16 @@ impl Fleet {
         self.cluster.sql(&self.catalogue, asked).parse().expect("a number")
     }
 
+    /// Make a key at the command line; its text.
+    pub fn key(&self, name: &str, scope: &str) -> String {
+        let done = landmarkd()
+            .args(["keys", "create", "--name", name, "--scope", scope, "--catalogue", &self.catalogue])
+            .output()
+            .unwrap();
+        assert!(done.status.success(), "{done:?}");
+        String::from_utf8(done.stdout).unwrap().trim().to_owned()
+    }
+
     /// One more process, listening.
     pub fn process(&self, arguments: &[&str]) -> Member {
         let number = self.started.fetch_add(1, Ordering::Relaxed);
@@ -79,7 +90,13 @@ pub struct Client {
 
 impl Client {
     fn new(url: &str) -> Self {
-        Self { url: url.to_owned(), http: http() }
+        Self { url: url.to_owned(), http: http(HeaderMap::new()) }
+    }
+
+    /// A client of the same process that sends this key.
+    pub fn with_key(&self, key: &str) -> Self {
+        let value = format!("Bearer {key}").parse().unwrap();
+        Self { http: http(HeaderMap::from_iter([(AUTHORIZATION, value)])), ..self.clone() }
     }
 
     /// Status and body.
@@ -192,9 +209,9 @@ impl Client {
 }
 
 /// What asks over plain HTTP.
-fn http() -> reqwest::Client {
+fn http(headers: HeaderMap) -> reqwest::Client {
     rustls::crypto::ring::default_provider().install_default().ok();
-    reqwest::Client::builder().timeout(PATIENCE).build().unwrap()
+    reqwest::Client::builder().timeout(PATIENCE).default_headers(headers).build().unwrap()
 }
 
 async fn read(request: reqwest::RequestBuilder) -> (u16, Value) {

@@ -7,6 +7,7 @@
 mod bucket;
 mod fleet;
 mod jobs;
+mod keys;
 mod outages;
 #[path = "../api/pictures.rs"]
 #[expect(dead_code, reason = "shared with the tests of the API, which use all of it")]
