@@ -145,12 +145,20 @@ impl Turns {
         self.queues.retain(|queue| !queue.waiting.is_empty());
     }
 
-    /// Make room for one more of `party`: the last of the caller with the most, if that leaves it no worse off.
-    fn displace(&mut self, party: Party) -> Option<Call> {
+    /// Whether room can be made for one more of `party`: another caller waits with so much more that it is no worse
+    /// off.
+    fn displaces(&self, party: Party) -> bool {
         let own = self.queues.iter().find(|queue| queue.party == party);
         let own = own.map_or(0, |queue| queue.waiting.len());
-        let most = self.queues.iter_mut().max_by_key(|queue| queue.waiting.len())?;
-        let (_, call) = (most.waiting.len() > own + 1).then(|| most.waiting.pop_back())??;
+        self.queues.iter().any(|queue| queue.waiting.len() > own + 1)
+    }
+
+    /// Make that room: the last of the caller with the most.
+    fn displace(&mut self, party: Party) -> Option<Call> {
+        if !self.displaces(party) {
+            return None;
+        }
+        let (_, call) = self.queues.iter_mut().max_by_key(|queue| queue.waiting.len())?.waiting.pop_back()?;
         Some(call)
     }
 }
@@ -249,6 +257,19 @@ impl Compute {
         lane.threads - lane.turns().free_threads
     }
 
+    /// Whether the caller would be let in now; by the time it asks that may have changed.
+    ///
+    /// # Errors
+    /// [`ComputeError::Full`] as of [`Compute::run`].
+    pub fn room(&self, lane: Lane) -> Result<(), ComputeError> {
+        let lane = self.lane(lane);
+        let turns = lane.turns();
+        match lane.full(&turns) {
+            Some(full) if !turns.displaces(Party::current()) => Err(full),
+            _ => Ok(()),
+        }
+    }
+
     /// Run `work` on a thread of the lane and return its value with the time it waited for the thread.
     ///
     /// `picture_bytes` is what the picture takes while it is worked on (0: no picture); it is taken from the
@@ -293,16 +314,24 @@ impl LanePool {
             let _ = call.send(Ok(Thread(Arc::clone(self))));
             None
         } else {
-            let waiting = turns.queues.iter().map(|queue| queue.waiting.len()).sum::<usize>();
-            if waiting >= self.most_waiting {
-                let full = || ComputeError::Full { waiting, retry_after: self.work_off(waiting) };
-                // If it went away meanwhile, there is room all the same.
-                let _ = turns.displace(party).ok_or_else(full)?.send(Err(full()));
+            if let Some(full) = self.full(&turns) {
+                match turns.displace(party) {
+                    // If it went away meanwhile, there is room all the same.
+                    Some(call) => drop(call.send(Err(full))),
+                    None => return Err(full),
+                }
             }
             Some(turns.join(party, call))
         };
         self.waiting.fetch_add(1, Ordering::Relaxed);
         Ok(Place { lane: Arc::clone(self), id, called })
+    }
+
+    /// What is said to who finds no room; none while there is some.
+    fn full(&self, turns: &Turns) -> Option<ComputeError> {
+        let waiting = turns.queues.iter().map(|queue| queue.waiting.len()).sum::<usize>();
+        let is_full = turns.free_threads == 0 && waiting >= self.most_waiting;
+        is_full.then(|| ComputeError::Full { waiting, retry_after: self.work_off(waiting) })
     }
 
     /// How long so many pieces of work take, by what they took lately.

@@ -58,10 +58,11 @@ pub async fn post(
     who: Who,
     Path(path): Path<WorkcellPath>,
     RobotHeader(header): RobotHeader,
-    OnePicture(picture): OnePicture,
+    picture: OnePicture,
 ) -> Result<Json<CentringBody>, Problem> {
     let kept = service.databases.workcell(&path.name).await?;
     reach(&who.caller, kept.setup.database.as_str())?;
+    let picture = service.admitted(picture)?;
     let (limits, memory, workcell) = (service.decode, picture.working_bytes, kept.setup.workcell);
     let work = move || {
         let mut stages = Stages::begin();

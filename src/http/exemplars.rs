@@ -168,10 +168,11 @@ pub async fn post(
     Path(path): Path<DatabasePath>,
     Query(query): Query<LabelQuery>,
     RobotHeader(header): RobotHeader,
-    OnePicture(picture): OnePicture,
+    picture: OnePicture,
 ) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
     service.databases.get(&path.database).await?;
     let pose_deg = pose(query.pose_deg, "#pose_deg")?;
+    let picture = picture.judged(&service.decode)?;
     let kept = service.keep_exemplar(&path.database, query.label, pose_deg, &picture, header);
     let (row, created) = kept.await?;
     Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.into())))

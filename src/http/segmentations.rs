@@ -88,7 +88,7 @@ async fn asked(request: Request, service: &Service) -> Result<(Picture, Segmenta
         if !faults.is_empty() {
             return Err(Problem::fields(faults));
         }
-        return Ok((OnePicture::from_request(request, service).await?.0, options));
+        return Ok((OnePicture::from_request(request, service).await?.judged(&service.decode)?, options));
     }
     let mut parts = KnownParts::of(request, service, &["image"], &["options"]).await?;
     if parts.holds("options") && !query.is_empty() {

@@ -86,8 +86,21 @@ impl Picture {
     }
 }
 
-/// One picture: the raw body, or the part `image` of a multipart body.
-pub struct OnePicture(pub Picture);
+/// One picture, not looked at yet: the raw body, or the part `image` of a multipart body.
+pub struct OnePicture {
+    bytes: Bytes,
+    share: BodyShare,
+}
+
+impl OnePicture {
+    /// The picture, judged by its header.
+    ///
+    /// # Errors
+    /// As of [`Picture::of`].
+    pub fn judged(self, limits: &DecodeLimits) -> Result<Picture, Problem> {
+        Ok(Picture::of(self.bytes, limits)?.with_share(self.share))
+    }
+}
 
 impl FromRequest<Service> for OnePicture {
     type Rejection = Problem;
@@ -100,7 +113,7 @@ impl FromRequest<Service> for OnePicture {
             while let Some((name, field)) = form.next().await? {
                 if name == "image" {
                     let bytes = field.read(limits.max_body_bytes).await??;
-                    return Ok(Self(Picture::of(bytes, &service.decode)?.with_share(form.share)));
+                    return Ok(Self { bytes, share: form.share });
                 }
             }
             return Err(Problem::new(
@@ -124,7 +137,7 @@ impl FromRequest<Service> for OnePicture {
         let (parts, body) = request.into_parts();
         let share = service.bodies.admit(&parts.headers, limits.max_body_bytes)?;
         let bytes = body::read_whole(body, limits.max_body_bytes, limits.body_timeout).await?;
-        Ok(Self(Picture::of(bytes, &service.decode)?.with_share(share)))
+        Ok(Self { bytes, share })
     }
 }
 

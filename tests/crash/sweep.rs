@@ -151,8 +151,7 @@ async fn a_death_at_a_call_loses_nothing_that_was_acknowledged() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_call_that_fails_is_refused_and_the_service_heals() {
     let (calls, known) = counted().await;
-    // Not `ReadOnly`: SQLite may go on with files that it opened for reading then, until a restart (docs/reliability.md).
-    fail_at(sampled(calls, 6), &[Fault::Full, Fault::Broken], &known).await;
+    fail_at(sampled(calls, 6), &Fault::FAILURES, &known).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

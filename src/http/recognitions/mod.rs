@@ -225,6 +225,15 @@ impl Service {
         }
     }
 
+    /// The frame, looked at if there is room to work on it: what must be refused costs as little as can be.
+    ///
+    /// # Errors
+    /// No room, or no picture that is taken.
+    pub(super) fn admitted(&self, frame: OnePicture) -> Result<Picture, Problem> {
+        self.compute.room(Lane::Recognition)?;
+        frame.judged(&self.decode)
+    }
+
     /// Decode and recognise on a computing thread. There `add` is given the picture's bytes and W of every exemplar.
     pub(super) async fn recognise<T: Send + 'static>(
         &self,
@@ -306,11 +315,12 @@ pub async fn post(
     Query(query): Query<RecognitionQuery>,
     headers: HeaderMap,
     RobotHeader(header): RobotHeader,
-    OnePicture(picture): OnePicture,
+    frame: OnePicture,
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png"])?;
     let wanted = Wanted { annotated: given == "image/png", ..Wanted::of(query.top, query.explain)? };
     let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
+    let picture = service.admitted(frame)?;
     let (mut recognised, ()) = service.recognise(&version, picture, wanted, |_, _| ()).await?;
     let mut response = match recognised.answer.annotated.take() {
         Some(png) => drawn(&version, png),

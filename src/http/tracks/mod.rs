@@ -331,7 +331,7 @@ pub async fn post_frame(
     Path(path): Path<TrackPath>,
     Query(query): Query<FrameQuery>,
     RobotHeader(header): RobotHeader,
-    OnePicture(picture): OnePicture,
+    frame: OnePicture,
 ) -> Result<Json<TrackedFrameBody>, Problem> {
     let wanted = Wanted::of(query.top, query.explain)?;
     let turns = service.tracks.arrive(&path.database, path.id)?;
@@ -341,6 +341,7 @@ pub async fn post_frame(
     let track = service.carried_over(&track, &version).await?;
     let sent = header.clone();
     let add = move |bytes: &[u8], weights: &[f64]| track.after(sent, bytes, weights);
+    let picture = service.admitted(frame)?;
     let (recognised, (track, counted)) = service.recognise(&version, picture, wanted, add).await?;
     let track = service.tracks.put(track)?;
 

@@ -8,6 +8,7 @@
 mod aliases;
 mod audit;
 mod calibrations;
+mod connections;
 mod databases;
 mod exemplars;
 mod jobs;
@@ -25,13 +26,11 @@ use jiff::Timestamp;
 use serde_json::json;
 use sqlx::migrate::Migrator;
 use sqlx::pool::PoolConnection;
-use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
-};
-use sqlx::{Connection, Sqlite, Transaction};
+use sqlx::{Sqlite, SqliteConnection, Transaction};
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use self::connections::Connections;
 use super::audit::{Actor, AuditFilter, AuditRow, Entry, document as kept};
 use super::catalogue::{
     AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
@@ -41,28 +40,13 @@ use super::catalogue::{
 use super::folder::{CollectionLock, FolderLock};
 use super::job_end::{Outcome, Subject};
 use super::open::OpenCatalogueError;
-use super::row::is_read_only;
 
 static MIGRATIONS: Migrator = sqlx::migrate!("migrations/sqlite");
-
-/// Readers beside the one writer: recognition reads no rows, so these serve lists and readiness only.
-const READERS: u32 = 4;
-
-/// How long a call waits for its turn before it is `Unavailable`.
-const TURN_TIMEOUT: Duration = Duration::from_secs(10);
-
-/// What the write-ahead log is cut to when it begins anew. It begins anew every thousand pages (4 MiB) or so, later
-/// only while somebody copies the catalogue.
-const MAX_IDLE_LOG_BYTES: &str = "67108864";
-
-/// How long SQLite waits for another program that holds the file, a backup for instance.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The catalogue in a SQLite file.
 #[derive(Debug)]
 pub struct SqliteCatalogue {
-    writer: SqlitePool,
-    readers: SqlitePool,
+    connections: Connections,
     hints: watch::Sender<u64>,
     data_dir: PathBuf,
     /// None where another process may be serving the file.
@@ -77,26 +61,27 @@ impl SqliteCatalogue {
         path: &Path,
         lock: Arc<FolderLock>,
     ) -> Result<Self, OpenCatalogueError> {
-        let writer = pool(1)
-            .connect_with(options(path).create_if_missing(true))
-            .await
-            .map_err(OpenCatalogueError::of_sqlite)?;
-        MIGRATIONS.run(&writer).await.map_err(OpenCatalogueError::of_sqlite_migration)?;
+        let connections = Connections::open(path, true).await.map_err(OpenCatalogueError::of_sqlite)?;
+        connections.migrate(&MIGRATIONS).await.map_err(OpenCatalogueError::of_sqlite_migration)?;
+        let mut writer = connections.writer().await.map_err(OpenCatalogueError::of_sqlite)?;
         // Damage that nobody reads is found now, and not when a robot needs the row.
-        let faults = faults(&writer, "PRAGMA quick_check(3)").await;
+        let faults = faults(&mut writer, "PRAGMA quick_check(3)").await;
         if let Some(fault) = faults.map_err(OpenCatalogueError::of_sqlite)?.first() {
             return Err(OpenCatalogueError::Damaged { source: fault.clone().into() });
         }
-        Self::over(path, writer, Some(lock)).await
+        drop(writer);
+        Ok(Self::over(path, connections, Some(lock)))
     }
 
     /// Opens the catalogue of a folder that another process may be serving: its tables must be of this release.
     pub(in crate::store) async fn open_beside(path: &Path) -> Result<Self, OpenCatalogueError> {
-        let writer = pool(1).connect_with(options(path)).await.map_err(OpenCatalogueError::of_sqlite)?;
+        let connections = Connections::open(path, false).await.map_err(OpenCatalogueError::of_sqlite)?;
+        let mut writer = connections.writer().await.map_err(OpenCatalogueError::of_sqlite)?;
         let applied: Vec<i64> = sqlx::query_scalar("SELECT version FROM _sqlx_migrations ORDER BY version")
-            .fetch_all(&writer)
+            .fetch_all(&mut *writer)
             .await
             .map_err(OpenCatalogueError::of_sqlite)?;
+        drop(writer);
         let mut known = MIGRATIONS.iter().map(|migration| migration.version);
         if let Some(migration) = applied.iter().find(|applied| !known.clone().any(|known| known == **applied))
         {
@@ -105,26 +90,18 @@ impl SqliteCatalogue {
         if let Some(migration) = known.find(|known| !applied.contains(known)) {
             return Err(OpenCatalogueError::Older { migration });
         }
-        Self::over(path, writer, None).await
+        Ok(Self::over(path, connections, None))
     }
 
-    async fn over(
-        path: &Path,
-        writer: SqlitePool,
-        lock: Option<Arc<FolderLock>>,
-    ) -> Result<Self, OpenCatalogueError> {
-        let readers = pool(READERS)
-            .connect_with(options(path).pragma("query_only", "ON"))
-            .await
-            .map_err(OpenCatalogueError::of_sqlite)?;
+    fn over(path: &Path, connections: Connections, lock: Option<Arc<FolderLock>>) -> Self {
         let data_dir = path.parent().unwrap_or(Path::new(".")).to_owned();
-        Ok(Self { writer, readers, hints: watch::Sender::new(0), data_dir, _lock: lock })
+        Self { connections, hints: watch::Sender::new(0), data_dir, _lock: lock }
     }
 
     /// Copies everything into a new file, as of one moment, while others read and write; synced by the caller.
     pub(in crate::store) async fn copy_to(&self, path: &Path) -> Result<(), CatalogueError> {
         let path = path.to_string_lossy();
-        sqlx::query("VACUUM INTO ?1").bind(&*path).execute(&self.writer).await?;
+        sqlx::query("VACUUM INTO ?1").bind(&*path).execute(&mut *self.connections.writer().await?).await?;
         Ok(())
     }
 
@@ -140,29 +117,20 @@ impl SqliteCatalogue {
 
     /// What SQLite finds wrong with the file, at most a few of it; nothing, when all is well.
     pub(in crate::store) async fn faults(&self) -> Result<Vec<String>, CatalogueError> {
-        Ok(faults(&self.writer, "PRAGMA integrity_check(9)").await?)
+        Ok(faults(&mut *self.connections.writer().await?, "PRAGMA integrity_check(9)").await?)
     }
 
     /// Ends the connections; the last one takes the write-ahead log with it.
     pub(in crate::store) async fn close(self) {
-        self.readers.close().await;
-        self.writer.close().await;
+        self.connections.close().await;
     }
 
     async fn read(&self) -> Result<PoolConnection<Sqlite>, CatalogueError> {
-        Ok(self.readers.acquire().await?)
+        Ok(self.connections.read().await?)
     }
 
-    /// Begins a transaction that writes; dropped without a commit, it is rolled back.
     async fn write(&self) -> Result<Transaction<'static, Sqlite>, CatalogueError> {
-        match self.writer.begin_with("BEGIN IMMEDIATE").await {
-            // Opened while the disk took no writes, it would stay as SQLite opened it then, for reading only.
-            Err(error) if is_read_only(&error) => {
-                self.writer.acquire().await?.close().await?;
-                Ok(self.writer.begin_with("BEGIN IMMEDIATE").await?)
-            }
-            begun => Ok(begun?),
-        }
+        Ok(self.connections.write().await?)
     }
 
     fn hint(&self) {
@@ -170,42 +138,14 @@ impl SqliteCatalogue {
     }
 }
 
-fn options(path: &Path) -> SqliteConnectOptions {
-    SqliteConnectOptions::new()
-        .filename(path)
-        .journal_mode(SqliteJournalMode::Wal)
-        .synchronous(SqliteSynchronous::Full)
-        .foreign_keys(true)
-        .busy_timeout(BUSY_TIMEOUT)
-        .pragma("journal_size_limit", MAX_IDLE_LOG_BYTES)
-}
-
 fn to_json(value: &impl serde::Serialize) -> Result<String, CatalogueError> {
     serde_json::to_string(value).map_err(|source| CatalogueError::Unavailable { source: source.into() })
 }
 
-async fn faults(pool: &SqlitePool, check: &'static str) -> Result<Vec<String>, sqlx::Error> {
-    let mut found: Vec<String> = sqlx::query_scalar(check).fetch_all(pool).await?;
+async fn faults(connection: &mut SqliteConnection, check: &'static str) -> Result<Vec<String>, sqlx::Error> {
+    let mut found: Vec<String> = sqlx::query_scalar(check).fetch_all(connection).await?;
     found.retain(|line| line != "ok");
     Ok(found)
-}
-
-/// Connections live as long as the pool: opening one again costs more than keeping it.
-fn pool(connections: u32) -> SqlitePoolOptions {
-    SqlitePoolOptions::new()
-        .max_connections(connections)
-        .acquire_timeout(TURN_TIMEOUT)
-        .idle_timeout(None)
-        .max_lifetime(None)
-        // When the disk fails, SQLite may end a transaction by itself; the driver then finds nothing to roll back, takes
-        // it for open still, and would never begin another one.
-        .after_release(|connection, _| {
-            Box::pin(async move {
-                // Behind whatever is being rolled back.
-                connection.ping().await?;
-                Ok(!connection.is_in_transaction())
-            })
-        })
 }
 
 #[async_trait]
@@ -786,6 +726,8 @@ impl Catalogue for SqliteCatalogue {
 
 #[cfg(test)]
 mod tests {
+    use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
+
     use super::*;
     use crate::store::suite::by;
 
@@ -802,7 +744,7 @@ mod tests {
             "SELECT journal_mode, synchronous, foreign_keys
              FROM pragma_journal_mode, pragma_synchronous, pragma_foreign_keys",
         )
-        .fetch_one(&catalogue.writer)
+        .fetch_one(&mut *catalogue.connections.writer().await.unwrap())
         .await
         .unwrap();
         assert_eq!(pragmas, ("wal".to_owned(), 2, 1)); // 2 is FULL.
@@ -840,7 +782,8 @@ mod tests {
     async fn readers_cannot_write() {
         let directory = tempfile::tempdir().unwrap();
         let catalogue = open(directory.path()).await;
-        let refused = sqlx::query("DELETE FROM jobs").execute(&catalogue.readers).await.unwrap_err();
+        let refused =
+            sqlx::query("DELETE FROM jobs").execute(&mut *catalogue.read().await.unwrap()).await.unwrap_err();
         assert!(refused.to_string().contains("readonly"), "{refused}");
     }
 
@@ -850,7 +793,10 @@ mod tests {
         let catalogue = open(directory.path()).await;
         catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
         for statement in ["UPDATE audit SET actor = 'somebody else'", "DELETE FROM audit"] {
-            let refused = sqlx::query(statement).execute(&catalogue.writer).await.unwrap_err();
+            let refused = sqlx::query(statement)
+                .execute(&mut *catalogue.connections.writer().await.unwrap())
+                .await
+                .unwrap_err();
             assert!(refused.to_string().contains("append-only"), "{refused}");
         }
         let record = catalogue.audit(&AuditFilter::default(), None, 9).await.unwrap();
@@ -862,12 +808,18 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let catalogue = open(directory.path()).await;
         let large = "x".repeat(1 << 20);
-        sqlx::query("PRAGMA max_page_count = 64").execute(&catalogue.writer).await.unwrap();
+        sqlx::query("PRAGMA max_page_count = 64")
+            .execute(&mut *catalogue.connections.writer().await.unwrap())
+            .await
+            .unwrap();
         let refused = catalogue.create_database("lab", "landmarks", &large, by()).await.unwrap_err();
         assert!(matches!(refused, CatalogueError::Unavailable { .. }), "{refused:?}");
         assert_eq!(catalogue.databases(None, 9).await.unwrap(), []);
 
-        sqlx::query("PRAGMA max_page_count = 100000").execute(&catalogue.writer).await.unwrap();
+        sqlx::query("PRAGMA max_page_count = 100000")
+            .execute(&mut *catalogue.connections.writer().await.unwrap())
+            .await
+            .unwrap();
         assert!(catalogue.create_database("lab", "landmarks", &large, by()).await.unwrap().1);
     }
 
@@ -885,7 +837,7 @@ mod tests {
             let catalogue = open(directory.path()).await;
             catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
             catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-            sqlx::query(damage).execute(&catalogue.writer).await.unwrap();
+            sqlx::query(damage).execute(&mut *catalogue.connections.writer().await.unwrap()).await.unwrap();
             let refused = catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap_err();
             assert!(
                 matches!(&refused, CatalogueError::Corrupt { what, .. } if what.starts_with(column)),
