@@ -107,7 +107,9 @@ impl<'a> Robot<'a> {
         with: impl Fn(reqwest::RequestBuilder) -> reqwest::RequestBuilder,
     ) -> Result<Answer, Died> {
         let started = Instant::now();
+        let mut asked = 0;
         loop {
+            asked += 1;
             let answer = self.client.send(method.clone(), path, &with).await?;
             if answer.status != 503 {
                 return Ok(answer);
@@ -120,7 +122,10 @@ impl<'a> Robot<'a> {
                 ["catalogue_unavailable", "blobs_unavailable"].contains(&code),
                 "{method} {path}: {body:#}"
             );
-            assert!(started.elapsed() < HEALS_WITHIN, "{method} {path} doesn't heal: {body:#}");
+            assert!(
+                started.elapsed() < HEALS_WITHIN,
+                "{method} {path} doesn't heal, asked {asked} times: {body:#}"
+            );
             // What is in memory goes on answering.
             if self.has_asked {
                 let asked =

@@ -92,7 +92,10 @@ impl Connections {
     }
 
     async fn begin(&self) -> Result<Transaction<'static, Sqlite>, sqlx::Error> {
-        self.pools.read().await.writer.begin_with("BEGIN IMMEDIATE").await
+        let mut transaction = self.pools.read().await.writer.begin_with("BEGIN IMMEDIATE").await?;
+        // On a file that could be opened for reading only that began a transaction that only reads: this would write.
+        sqlx::query("DELETE FROM jobs WHERE FALSE").execute(&mut *transaction).await?;
+        Ok(transaction)
     }
 
     /// What SQLite opened while the disk took no writes stays open for reading only: the file itself, by connection,
