@@ -178,6 +178,19 @@ impl Eigenspace {
         (point, outside.max(0.0).sqrt())
     }
 
+    /// The vector of an eigenpoint: the mean, and each direction as much as its coordinate says.
+    ///
+    /// # Panics
+    /// If the point has another dimension.
+    pub fn rebuild(&self, point: &[f32]) -> Vec<f32> {
+        assert_eq!(point.len(), self.dimension(), "a point of the space's dimension");
+        let mut vector = self.mean.clone();
+        for (row, coordinate) in self.basis.chunks_exact(self.length()).zip(point) {
+            vector.iter_mut().zip(row).for_each(|(v, direction)| *v += coordinate * direction);
+        }
+        vector
+    }
+
     /// Whether the rows of the basis are orthonormal to f32 precision: to be asked of a basis from elsewhere.
     pub fn check_basis(&self) -> Result<(), EigenError> {
         let deviation = departure_from_orthonormality(&self.basis, self.length());

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, EvidenceBody, StagesBody, Wanted, ms};
+use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted, ms};
 use crate::imaging::Frame;
 use crate::recognition::landmarks::{Instance, Landmarks, Placed, PointVote, Stage, annotate};
 
@@ -179,7 +179,10 @@ pub(super) fn answer(
         }),
         stages: StagesBody::Landmarks(LandmarkStages { attention, signature, search, vote, verification }),
         clocked: clocked.into(),
-        annotated: wanted.annotated.then(|| annotate(frame, &recognition, model).into_png()),
+        drawn: wanted.drawing.map(|_| {
+            let png = annotate(frame, &recognition, model).into_png();
+            Drawn { png, distance_from_space: None }
+        }),
         exemplar_weights: recognition.exemplar_weights,
     }
 }

@@ -19,7 +19,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::databases::{DatabasePath, KindWord};
 use super::exemplars::ImageForm;
 use super::extract::{Path, Query};
-use super::problem::{Problem, ProblemBody};
+use super::problem::{Code, Problem, ProblemBody};
 use super::uploads::{Form, HeaderEcho, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
@@ -141,7 +141,38 @@ pub struct ImagesForm {
 pub(super) struct Wanted {
     pub top: usize,
     explain: bool,
-    annotated: bool,
+    drawing: Option<Drawing>,
+}
+
+/// A picture instead of numbers.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Drawing {
+    /// The frame with the evidence on it.
+    Evidence,
+    /// What the eigenspace makes of it; of kind `objects` only.
+    Reconstruction,
+}
+
+const DISTANCE_FROM_SPACE: HeaderName = HeaderName::from_static("x-distance-from-space");
+
+impl Drawing {
+    const RECONSTRUCTION: &str = "image/png; view=reconstruction";
+
+    /// By the type that was accepted.
+    fn of(given: &str) -> Option<Self> {
+        match given {
+            "image/png" => Some(Self::Evidence),
+            Self::RECONSTRUCTION => Some(Self::Reconstruction),
+            _ => None,
+        }
+    }
+}
+
+/// The picture that was wanted.
+struct Drawn {
+    png: Vec<u8>,
+    /// Of a reconstruction.
+    distance_from_space: Option<f64>,
 }
 
 impl Wanted {
@@ -149,7 +180,7 @@ impl Wanted {
     pub fn of(top: Option<usize>, explain: Option<bool>) -> Result<Self, Problem> {
         let explain = explain.unwrap_or(false);
         match top.unwrap_or(DEFAULT_TOP) {
-            top @ 1..=MAX_TOP => Ok(Self { top, explain, annotated: false }),
+            top @ 1..=MAX_TOP => Ok(Self { top, explain, drawing: None }),
             other => Err(Problem::field("#top", format!("{other} is not between 1 and {MAX_TOP}"))),
         }
     }
@@ -163,8 +194,7 @@ struct Answer {
     stages: StagesBody,
     /// The names of the stages and how long each took.
     clocked: Vec<(&'static str, Duration)>,
-    /// The frame as PNG with the evidence drawn on it, if that is wanted.
-    annotated: Option<Vec<u8>>,
+    drawn: Option<Drawn>,
     /// W of every exemplar of landmarks, in the model's order.
     exemplar_weights: Vec<f64>,
 }
@@ -258,7 +288,7 @@ impl Service {
     }
 }
 
-/// A picture with the evidence on it; headers say what answered.
+/// A picture with the evidence; headers say what answered.
 pub(super) fn drawn(version: &LoadedVersion, png: Vec<u8>) -> Response {
     let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
     let headers = [
@@ -294,7 +324,10 @@ pub(super) fn render(
 }
 
 /// Recognise one frame. With `Accept: image/png` the answer is the frame with the evidence drawn on it (points and votes,
-/// or candidates and pose); the headers `X-Version` and `X-Digest` say what answered.
+/// or candidates and pose); the headers `X-Version` and `X-Digest` say what answered. With
+/// `Accept: image/png; view=reconstruction` (kind `objects`) it is what the version's eigenspace makes of the frame, three
+/// pictures beside each other: the appearance that is looked at, the same rebuilt from eigenimages, and the residual about
+/// mid-gray, whose length is `X-Distance-From-Space`.
 #[utoipa::path(
     post, operation_id = "recognise",
     path = "/v1/databases/{database}/recognitions", tag = "recognition", security(("key" = ["recognise"])), params(DatabasePath, RecognitionQuery),
@@ -317,13 +350,23 @@ pub async fn post(
     RobotHeader(header): RobotHeader,
     frame: OnePicture,
 ) -> Result<Response, Problem> {
-    let given = accept::choose(&headers, &["application/json", "image/png"])?;
-    let wanted = Wanted { annotated: given == "image/png", ..Wanted::of(query.top, query.explain)? };
+    let given = accept::choose(&headers, &["application/json", "image/png", Drawing::RECONSTRUCTION])?;
+    let wanted = Wanted { drawing: Drawing::of(given), ..Wanted::of(query.top, query.explain)? };
     let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
+    if wanted.drawing == Some(Drawing::Reconstruction) && matches!(version.model, Model::Landmarks(_)) {
+        let text = format!("database {} is of kind landmarks: accept image/png", version.database);
+        return Err(Problem::new(Code::NotAcceptable, text));
+    }
     let picture = service.admitted(frame)?;
     let (mut recognised, ()) = service.recognise(&version, picture, wanted, |_, _| ()).await?;
-    let mut response = match recognised.answer.annotated.take() {
-        Some(png) => drawn(&version, png),
+    let mut response = match recognised.answer.drawn.take() {
+        Some(Drawn { png, distance_from_space }) => {
+            let mut response = drawn(&version, png);
+            if let Some(Ok(distance)) = distance_from_space.map(|d| format!("{d:.6}").parse()) {
+                response.headers_mut().insert(DISTANCE_FROM_SPACE, distance);
+            }
+            response
+        }
         None => Json(render(&version, header, recognised)).into_response(),
     };
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));

@@ -5,9 +5,10 @@ use std::time::Duration;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, EvidenceBody, StagesBody, Wanted, ms};
+use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, StagesBody, Wanted, ms};
 use crate::http::problem::Problem;
 use crate::imaging::Frame;
+use crate::imaging::encode::png_gray8;
 use crate::recognition::objects::{Candidate, Decision, Objects, Pose, Stage, annotate};
 
 /// What speaks for the answer of an object database.
@@ -121,7 +122,19 @@ pub(super) fn answer(
         }),
         stages: StagesBody::Objects(ObjectStages { appearance, universal, object }),
         clocked: clocked.into(),
-        annotated: wanted.annotated.then(|| annotate(frame, &recognition).into_png()),
+        drawn: match wanted.drawing {
+            None => None,
+            Some(Drawing::Evidence) => {
+                let png = annotate(frame, &recognition).into_png();
+                Some(Drawn { png, distance_from_space: None })
+            }
+            Some(Drawing::Reconstruction) => {
+                let seen = model.reconstruct(frame)?;
+                let picture = seen.side_by_side();
+                let png = png_gray8(picture.width(), picture.height(), &picture.to_gray8());
+                Some(Drawn { png, distance_from_space: Some(seen.distance_from_space) })
+            }
+        },
         exemplar_weights: Vec::new(),
     })
 }

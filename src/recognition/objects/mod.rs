@@ -17,6 +17,7 @@ pub mod parts;
 #[cfg(test)]
 mod pictures;
 pub mod recognition;
+pub mod reconstruction;
 pub mod rehearsal;
 pub mod report;
 pub mod training;
@@ -28,6 +29,7 @@ pub use model::{Objects, Stage, ViewName};
 pub use options::{Dimension, Distance, MAX_SIDE_PX, ObjectOptions, Resize, Search, Stages};
 pub use parts::{ObjectPart, ObjectParts, PartsError};
 pub use recognition::{Candidate, Decision, Pose, Recognition, Warning};
+pub use reconstruction::Reconstruction;
 pub use rehearsal::rehearsal;
 pub use report::{Confusion, DimensionRate, Gap, HeldOut, ObjectReport, PoseErrors, TrainingReport};
 pub use training::{TrainingError, View};

@@ -241,7 +241,7 @@ impl Objects {
         Some(self.picture(row.iter().map(|v| 127.5 * (1.0 + v / most))))
     }
 
-    fn picture(&self, pixels: impl Iterator<Item = f32>) -> Image {
+    pub(super) fn picture(&self, pixels: impl Iterator<Item = f32>) -> Image {
         let (width, height) = self.canvas.samples();
         Image::new(width, height, pixels.collect())
     }
