@@ -16,15 +16,16 @@ use axum::response::{IntoResponse, Response};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{Components, OpenApi, PathItem};
 
-use super::Service;
 use super::problem::{Code, Problem};
 use super::rim::RequestId;
+use super::{Service, console};
 use crate::access::{Actor, Caller, Denied, Scope};
 use crate::compute;
 
 /// Name of the security scheme in the document.
 const SCHEME: &str = "key";
-/// What the router has beside the calls of the document: the document itself, and the pages that show it.
+/// What the router has beside the calls of the document: the document itself, and the pages that show it. They and the
+/// console are the same for everybody and hold nothing that was told to the service: no key is needed.
 const PAGES: [&str; 4] = ["/openapi.json", "/docs", "/docs/", "/docs/{*rest}"];
 
 /// What each call needs, by route and method; none where no key is needed.
@@ -49,8 +50,8 @@ impl Needs {
                 calls.insert((route.clone(), method), need);
             }
         }
-        for page in PAGES {
-            calls.insert((page.to_owned(), Method::GET), Some(Scope::Recognise));
+        for page in PAGES.iter().chain(&console::PAGES) {
+            calls.insert(((*page).to_owned(), Method::GET), None);
         }
         Self { calls }
     }

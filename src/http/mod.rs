@@ -10,6 +10,7 @@ mod audit;
 pub mod body;
 mod calibrations;
 mod centrings;
+mod console;
 mod databases;
 mod depth_maps;
 mod eigenimages;
@@ -156,6 +157,7 @@ pub fn router(service: Service) -> Router {
     let no_store = HeaderValue::from_static("no-store");
     Router::new()
         .merge(api)
+        .merge(console::routes())
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
         .fallback(rim::unknown_route)
         .method_not_allowed_fallback(rim::method_not_allowed)

@@ -2,7 +2,8 @@
 
 use utoipa::OpenApi;
 use utoipa::openapi::path::Operation;
-use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder};
+use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
+use utoipa::openapi::{Content, ContentBuilder, Ref, RefOr, ResponseBuilder};
 
 use super::problem::ProblemBody;
 use super::{access, routes};
@@ -35,7 +36,8 @@ pub(super) fn preamble() -> utoipa::openapi::OpenApi {
     Preamble::openapi()
 }
 
-/// The document with how a key is sent, and the problem document as the answer for every status that an operation doesn't name.
+/// The document with how a key is sent, files as bytes, and the problem document as the answer for every status that an
+/// operation doesn't name.
 pub(super) fn finished(mut document: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
     access::describe(&mut document);
     let problem = ResponseBuilder::new()
@@ -49,10 +51,30 @@ pub(super) fn finished(mut document: utoipa::openapi::OpenApi) -> utoipa::openap
         let operations: [&mut Option<Operation>; 5] =
             [&mut item.get, &mut item.put, &mut item.post, &mut item.delete, &mut item.patch];
         for operation in operations.into_iter().flatten() {
+            if let Some(RefOr::T(sent)) = &mut operation.request_body {
+                sent.content.iter_mut().for_each(|(kind, content)| file_as_bytes(kind, content));
+            }
+            for response in operation.responses.responses.values_mut() {
+                let RefOr::T(response) = response else { continue };
+                if response.description.is_empty() {
+                    response.description = "The answer".into();
+                }
+                response.content.iter_mut().for_each(|(kind, content)| file_as_bytes(kind, content));
+            }
             operation.responses.responses.insert("default".into(), problem.clone().into());
         }
     }
     document
+}
+
+/// What is neither JSON, a form nor text is a file, and described as generators of clients know one.
+fn file_as_bytes(kind: &str, content: &mut RefOr<Content>) {
+    let is_file = !kind.ends_with("json") && !kind.starts_with("multipart/") && !kind.starts_with("text/");
+    if let (true, RefOr::T(content)) = (is_file, content) {
+        let format = SchemaFormat::KnownFormat(KnownFormat::Binary);
+        content.schema =
+            Some(ObjectBuilder::new().schema_type(Type::String).format(Some(format)).build().into());
+    }
 }
 
 /// The whole document.

@@ -1,4 +1,5 @@
-//! Problem documents (RFC 9457): one table of codes, their status and title. The text says what to do next.
+//! Problem documents (RFC 9457): one table of codes, their status, title and what to do. `type` is the address of a page
+//! of this service that says the same.
 
 use std::time::Duration;
 
@@ -20,7 +21,7 @@ use crate::store::{BlobError, CatalogueError, outage};
 use crate::telemetry::chain;
 
 macro_rules! codes {
-    ($($code:ident $word:literal $status:ident $title:literal,)+) => {
+    ($($code:ident $word:literal $status:ident $title:literal $advice:literal,)+) => {
         /// What went wrong, as programs tell it apart.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Code { $(#[doc = $title] $code),+ }
@@ -37,79 +38,154 @@ macro_rules! codes {
 
             /// One line on the kind of problem, the same for every case of it.
             pub const fn title(self) -> &'static str { match self { $(Code::$code => $title),+ } }
+
+            /// What to do about it, with code between backquotes.
+            pub const fn advice(self) -> &'static str { match self { $(Code::$code => $advice),+ } }
         }
     };
 }
 
 codes! {
-    MalformedRequest "malformed_request" BAD_REQUEST "The request can't be read",
-    MissingFilter "missing_filter" BAD_REQUEST "The call must say which ones it means",
-    EmptyImage "empty_image" BAD_REQUEST "The request holds no picture",
-    CorruptImage "corrupt_image" BAD_REQUEST "The picture is damaged",
-    KeyRequired "key_required" UNAUTHORIZED "The call needs a key in force",
-    NotAllowed "not_allowed" FORBIDDEN "The key may not do that",
-    UnknownRoute "unknown_route" NOT_FOUND "There is nothing at this address",
-    UnknownDatabase "unknown_database" NOT_FOUND "There is no such database",
-    UnknownExemplar "unknown_exemplar" NOT_FOUND "There is no such exemplar",
-    UnknownVersion "unknown_version" NOT_FOUND "There is no such version",
-    UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias",
-    UnknownEigenimage "unknown_eigenimage" NOT_FOUND "There is no such eigenimage",
-    UnknownCalibration "unknown_calibration" NOT_FOUND "There is no such calibration",
-    UnknownWorkcell "unknown_workcell" NOT_FOUND "There is no such workcell",
-    UnknownJob "unknown_job" NOT_FOUND "There is no such job",
-    UnknownTrack "unknown_track" NOT_FOUND "There is no such track",
-    UnknownKey "unknown_key" NOT_FOUND "There is no such key",
-    MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method",
-    NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given",
-    BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly",
-    KindConflict "kind_conflict" CONFLICT "The database is of another kind",
-    NotTrained "not_trained" CONFLICT "The database has no version yet",
-    NoCurrent "no_current" CONFLICT "The alias current names no version",
-    VersionInUse "version_in_use" CONFLICT "An alias points to the version",
-    VersionUnloadable "version_unloadable" CONFLICT "The version can't be loaded",
-    CalibrationChanged "calibration_changed" CONFLICT "The calibration was changed meanwhile",
-    CalibrationDeleted "calibration_deleted" CONFLICT "The calibration was deleted meanwhile",
-    JobEnded "job_ended" CONFLICT "The job has ended",
-    PreconditionFailed "precondition_failed" PRECONDITION_FAILED "It has changed since you looked",
-    BodyTooLarge "body_too_large" PAYLOAD_TOO_LARGE "The body is too large",
-    UnsupportedMediaType "unsupported_media_type" UNSUPPORTED_MEDIA_TYPE "This type of content isn't taken here",
-    UnsupportedImageFormat "unsupported_image_format" UNSUPPORTED_MEDIA_TYPE "The picture's format isn't read",
-    InvalidField "invalid_field" UNPROCESSABLE_ENTITY "A field is missing, unknown or impossible",
-    ImageTooLarge "image_too_large" UNPROCESSABLE_ENTITY "The picture has too many pixels",
-    ImageTooSmall "image_too_small" UNPROCESSABLE_ENTITY "The picture has too few pixels",
-    IdenticalImages "identical_images" UNPROCESSABLE_ENTITY "Both pictures are the same",
-    NeedsCalibration "needs_calibration" UNPROCESSABLE_ENTITY "The method needs a calibration with a sweep",
-    RegistrationRefused "registration_refused" UNPROCESSABLE_ENTITY "The pictures can't be registered",
-    TooFewPlanes "too_few_planes" UNPROCESSABLE_ENTITY "The sweep has too few planes",
-    SweepRefused "sweep_refused" UNPROCESSABLE_ENTITY "The planes make no sweep",
-    TooLittleTexture "too_little_texture" UNPROCESSABLE_ENTITY "A plane of the sweep has too little texture",
-    NotMonotone "not_monotone" UNPROCESSABLE_ENTITY "What the sweep measures is not in the order of its depths",
-    UnreadablePicture "unreadable_picture" UNPROCESSABLE_ENTITY "A picture of the sweep can't be read",
-    NoExemplars "no_exemplars" UNPROCESSABLE_ENTITY "There is nothing to train from",
-    TooFewPoints "too_few_points" UNPROCESSABLE_ENTITY "The exemplars have too few interest points",
-    TooFewExemplars "too_few_exemplars" UNPROCESSABLE_ENTITY "There are too few exemplars",
-    TrainingTooLarge "training_too_large" UNPROCESSABLE_ENTITY "The exemplars are more than a training can hold",
-    AllEqual "all_equal" UNPROCESSABLE_ENTITY "All exemplars are the same picture",
-    ImageSizeMismatch "image_size_mismatch" UNPROCESSABLE_ENTITY "The picture is not of the size it must have",
-    UnreadableExemplar "unreadable_exemplar" UNPROCESSABLE_ENTITY "An exemplar can't be read",
-    InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used",
-    NoRegion "no_region" UNPROCESSABLE_ENTITY "The picture has no such region",
-    NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet",
-    RateLimited "rate_limited" TOO_MANY_REQUESTS "The key was used too often",
-    TooManyTracks "too_many_tracks" TOO_MANY_REQUESTS "There is no room for another track",
-    Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done",
-    DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long",
-    CatalogueUnavailable "catalogue_unavailable" SERVICE_UNAVAILABLE "The catalogue is away",
-    BlobsUnavailable "blobs_unavailable" SERVICE_UNAVAILABLE "The blob store is away",
-    AttemptsExhausted "attempts_exhausted" INTERNAL_SERVER_ERROR "The job's workers died, time after time",
-    DatabaseDeleted "database_deleted" CONFLICT "The database was deleted meanwhile",
-    Internal "internal" INTERNAL_SERVER_ERROR "Something is wrong in the service",
+    MalformedRequest "malformed_request" BAD_REQUEST "The request can't be read"
+        "Send what the call takes: the JSON, form, archive or header can't be read.",
+    MissingFilter "missing_filter" BAD_REQUEST "The call must say which ones it means"
+        "Say which exemplars to delete, with `?label=`, `?robot_id=`, `?since=` or `?before=`: absent never means all.",
+    EmptyImage "empty_image" BAD_REQUEST "The request holds no picture"
+        "Send a picture; with curl, `--data-binary @file`, or `-F image=@file`.",
+    CorruptImage "corrupt_image" BAD_REQUEST "The picture is damaged"
+        "Send the picture again: it is cut off or damaged.",
+    KeyRequired "key_required" UNAUTHORIZED "The call needs a key in force"
+        "Send a key that is in force, as `Authorization: Bearer <key>`.",
+    NotAllowed "not_allowed" FORBIDDEN "The key may not do that"
+        "Ask for a key of the scope that `detail` names, or one for this database.",
+    UnknownRoute "unknown_route" NOT_FOUND "There is nothing at this address"
+        "Check the address against `/docs`.",
+    UnknownDatabase "unknown_database" NOT_FOUND "There is no such database"
+        "Create it with `PUT /v1/databases/{database}`, or check the name.",
+    UnknownExemplar "unknown_exemplar" NOT_FOUND "There is no such exemplar"
+        "List them with `GET …/exemplars`.",
+    UnknownVersion "unknown_version" NOT_FOUND "There is no such version"
+        "List them with `GET …/versions`.",
+    UnknownAlias "unknown_alias" NOT_FOUND "There is no such alias"
+        "List them with `GET …/aliases`.",
+    UnknownEigenimage "unknown_eigenimage" NOT_FOUND "There is no such eigenimage"
+        "Ask for `mean`, or for a number below the one that `detail` names; only kind `objects` has them.",
+    UnknownCalibration "unknown_calibration" NOT_FOUND "There is no such calibration"
+        "List them with `GET /v1/calibrations`, or send `optics`.",
+    UnknownWorkcell "unknown_workcell" NOT_FOUND "There is no such workcell"
+        "Describe it with `PUT /v1/workcells/{name}`, or list them with `GET /v1/workcells`.",
+    UnknownJob "unknown_job" NOT_FOUND "There is no such job"
+        "List them with `GET /v1/jobs`.",
+    UnknownTrack "unknown_track" NOT_FOUND "There is no such track"
+        "Begin another with `POST /v1/databases/{database}/tracks`: it is gone ten minutes after its last frame, and with the process.",
+    UnknownKey "unknown_key" NOT_FOUND "There is no such key"
+        "List them with `GET /v1/keys`.",
+    MethodNotAllowed "method_not_allowed" METHOD_NOT_ALLOWED "This address doesn't take this method"
+        "Use a method that `Allow` names.",
+    NotAcceptable "not_acceptable" NOT_ACCEPTABLE "None of the accepted types can be given"
+        "Accept one of the types that `detail` names.",
+    BodyTimeout "body_timeout" REQUEST_TIMEOUT "The body came too slowly"
+        "Send it again over a better connection, or send less at once.",
+    KindConflict "kind_conflict" CONFLICT "The database is of another kind"
+        "Take another name, or delete the database of the other kind first; for a workcell, name a database of kind `objects`; for a track, one of kind `landmarks`.",
+    NotTrained "not_trained" CONFLICT "The database has no version yet"
+        "Post exemplars, train, and wait for the job.",
+    NoCurrent "no_current" CONFLICT "The alias current names no version"
+        "Point the alias `current` to one of the versions, or ask with `?version=`.",
+    VersionInUse "version_in_use" CONFLICT "An alias points to the version"
+        "Point the alias to another version first.",
+    VersionUnloadable "version_unloadable" CONFLICT "The version can't be loaded"
+        "Its artifact is damaged or gone: use another version, train the same again, or restore a backup.",
+    CalibrationChanged "calibration_changed" CONFLICT "The calibration was changed meanwhile"
+        "Read the calibration again and decide anew; a sweep of the one before must be sent again.",
+    CalibrationDeleted "calibration_deleted" CONFLICT "The calibration was deleted meanwhile"
+        "Nothing: its calibration was deleted, and the job with it.",
+    JobEnded "job_ended" CONFLICT "The job has ended"
+        "Nothing: it had ended before it was cancelled.",
+    PreconditionFailed "precondition_failed" PRECONDITION_FAILED "It has changed since you looked"
+        "Read the alias again and decide anew.",
+    BodyTooLarge "body_too_large" PAYLOAD_TOO_LARGE "The body is too large"
+        "Send less at once, or raise the limit.",
+    UnsupportedMediaType "unsupported_media_type" UNSUPPORTED_MEDIA_TYPE "This type of content isn't taken here"
+        "Declare what the call takes: `detail` names it.",
+    UnsupportedImageFormat "unsupported_image_format" UNSUPPORTED_MEDIA_TYPE "The picture's format isn't read"
+        "Send JPEG, PNG or a portable map.",
+    InvalidField "invalid_field" UNPROCESSABLE_ENTITY "A field is missing, unknown or impossible"
+        "Mend the fields in `errors`; all that are at fault are named.",
+    ImageTooLarge "image_too_large" UNPROCESSABLE_ENTITY "The picture has too many pixels"
+        "Send a smaller picture, or raise the limit.",
+    ImageTooSmall "image_too_small" UNPROCESSABLE_ENTITY "The picture has too few pixels"
+        "Send larger pictures: `detail` says how large.",
+    IdenticalImages "identical_images" UNPROCESSABLE_ENTITY "Both pictures are the same"
+        "Send the near-focused picture as `near` and the far-focused one as `far`: one of them came twice.",
+    NeedsCalibration "needs_calibration" UNPROCESSABLE_ENTITY "The method needs a calibration with a sweep"
+        "Calibrate with a sweep by this method, or take another method.",
+    RegistrationRefused "registration_refused" UNPROCESSABLE_ENTITY "The pictures can't be registered"
+        "Show a flat target full of fine irregular texture, within the working range, and keep the rig still between both pictures.",
+    TooFewPlanes "too_few_planes" UNPROCESSABLE_ENTITY "The sweep has too few planes"
+        "Send planes at 5 known depths at least, better 9 to 21.",
+    SweepRefused "sweep_refused" UNPROCESSABLE_ENTITY "The planes make no sweep"
+        "Mend the planes' depths as `detail` says: each once, and reaching past both focus distances.",
+    TooLittleTexture "too_little_texture" UNPROCESSABLE_ENTITY "A plane of the sweep has too little texture"
+        "Show a plane with more texture, or a projected pattern, at the depth that `detail` names.",
+    NotMonotone "not_monotone" UNPROCESSABLE_ENTITY "What the sweep measures is not in the order of its depths"
+        "Look after the plane that `detail` names: its depth is wrong, or its pictures are of another one.",
+    UnreadablePicture "unreadable_picture" UNPROCESSABLE_ENTITY "A picture of the sweep can't be read"
+        "Sweep again: a picture of it is gone or can't be decoded.",
+    NoExemplars "no_exemplars" UNPROCESSABLE_ENTITY "There is nothing to train from"
+        "Post exemplars, then train.",
+    TooFewPoints "too_few_points" UNPROCESSABLE_ENTITY "The exemplars have too few interest points"
+        "The exemplars are flat, dark or out of focus: post others.",
+    TooFewExemplars "too_few_exemplars" UNPROCESSABLE_ENTITY "There are too few exemplars"
+        "Post at least two pictures that differ, better ten views or more of each object, then train.",
+    TrainingTooLarge "training_too_large" UNPROCESSABLE_ENTITY "The exemplars are more than a training can hold"
+        "The exemplars hold more samples than a training takes into memory: give a smaller `width_px` and `height_px`, or more `smoothing`.",
+    AllEqual "all_equal" UNPROCESSABLE_ENTITY "All exemplars are the same picture"
+        "The exemplars are all one picture: post others, then train.",
+    ImageSizeMismatch "image_size_mismatch" UNPROCESSABLE_ENTITY "The picture is not of the size it must have"
+        "Send pictures of the size that `detail` names: of a pair both of one size, for a calibration those of its own, with `pair_view=overview` those of the overview; or train with `resize: \"fit\"`.",
+    UnreadableExemplar "unreadable_exemplar" UNPROCESSABLE_ENTITY "An exemplar can't be read"
+        "Post the same picture again, or delete the exemplar that `detail` names; then train again.",
+    InvalidArtifact "invalid_artifact" UNPROCESSABLE_ENTITY "The artifact file can't be used"
+        "Fetch the file again: it is no artifact, or was damaged or changed.",
+    NoRegion "no_region" UNPROCESSABLE_ENTITY "The picture has no such region"
+        "Bring a part into view, or change the segmentation; for `?region=`, take one of the ids that `detail` names.",
+    NotYet "not_yet" UNPROCESSABLE_ENTITY "This release can't do that yet"
+        "Do without: this release can't do it.",
+    RateLimited "rate_limited" TOO_MANY_REQUESTS "The key was used too often"
+        "Come back after `Retry-After`, and ask less often: the key is held to a rate.",
+    TooManyTracks "too_many_tracks" TOO_MANY_REQUESTS "There is no room for another track"
+        "Delete the tracks that are done with, or come back after `Retry-After`.",
+    Overloaded "overloaded" SERVICE_UNAVAILABLE "There is more to do than can be done"
+        "Come back after `Retry-After`; if it lasts, add cores or ask less.",
+    DeadlineExceeded "deadline_exceeded" SERVICE_UNAVAILABLE "The answer took too long"
+        "Try again; if it lasts, send less at once or raise the limit.",
+    CatalogueUnavailable "catalogue_unavailable" SERVICE_UNAVAILABLE "The catalogue is away"
+        "Do as `detail` says: make room, look after the disk's rights or the connection. Recognition goes on from memory.",
+    BlobsUnavailable "blobs_unavailable" SERVICE_UNAVAILABLE "The blob store is away"
+        "No new version loads and no picture is taken meanwhile, recognition goes on: look after the folder's disk or the bucket, as `detail` says.",
+    AttemptsExhausted "attempts_exhausted" INTERNAL_SERVER_ERROR "The job's workers died, time after time"
+        "The job's worker died five times, perhaps for lack of memory: look into the log, then train with fewer or smaller exemplars.",
+    DatabaseDeleted "database_deleted" CONFLICT "The database was deleted meanwhile"
+        "Nothing: its database was deleted, and the job with it.",
+    Internal "internal" INTERNAL_SERVER_ERROR "Something is wrong in the service"
+        "Look into the log under the request's id, and tell the developers.",
 }
 
 impl Code {
     /// The code of that word: problems of jobs are kept by it.
     pub fn of_word(word: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|code| code.word() == word)
+    }
+
+    /// Whether it says when to come back.
+    pub fn says_when(self) -> bool {
+        [StatusCode::SERVICE_UNAVAILABLE, StatusCode::TOO_MANY_REQUESTS].contains(&self.status())
+    }
+
+    /// The advice in parts, each with whether it is code.
+    pub fn advice_spans(self) -> impl Iterator<Item = (bool, &'static str)> {
+        self.advice().split('`').enumerate().map(|(n, text)| (n % 2 == 1, text))
     }
 }
 
@@ -139,9 +215,9 @@ pub struct Problem {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub struct ProblemBody {
-    /// The kind of problem, as a URN.
+    /// The kind of problem: the address, on this service, of a page that says what to do.
     #[serde(rename = "type")]
-    #[schema(example = "urn:landmarkd:problem:not_trained")]
+    #[schema(format = "uri-reference", example = "/problems/not_trained")]
     pub kind: String,
     /// One line on the kind of problem.
     pub title: &'static str,
@@ -166,7 +242,7 @@ impl From<Problem> for ProblemBody {
     fn from(problem: Problem) -> Self {
         let code = problem.code;
         Self {
-            kind: format!("urn:landmarkd:problem:{}", code.word()),
+            kind: format!("/problems/{}", code.word()),
             title: code.title(),
             status: code.status().as_u16(),
             detail: problem.detail,
@@ -180,13 +256,8 @@ impl From<Problem> for ProblemBody {
 impl Problem {
     /// A problem of this kind.
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
-        let retry_after_s = Self::says_when(code.status()).then_some(1);
+        let retry_after_s = code.says_when().then_some(1);
         Self { code, detail: detail.into(), errors: Vec::new(), retry_after_s }
-    }
-
-    /// Whether a problem of that status says when to come back.
-    fn says_when(status: StatusCode) -> bool {
-        [StatusCode::SERVICE_UNAVAILABLE, StatusCode::TOO_MANY_REQUESTS].contains(&status)
     }
 
     /// The same, to come back after that time: in whole seconds, rounded up, at least one.

@@ -42,7 +42,7 @@ pub struct NewTraining {
 
 /// Train the database's exemplars into a version: answers at once with a job.
 #[utoipa::path(
-    post, path = "/v1/databases/{database}/trainings", tag = "databases", security(("key" = ["train"])), params(DatabasePath),
+    post, operation_id = "begin_training", path = "/v1/databases/{database}/trainings", tag = "databases", security(("key" = ["train"])), params(DatabasePath),
     request_body = Option<NewTraining>,
     responses((status = 202, body = JobBody, description = "Queued", headers(("Location" = String))))
 )]

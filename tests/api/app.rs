@@ -374,7 +374,7 @@ impl Answer {
         }
         assert_eq!(problem["status"], self.status, "{self:?}");
         assert_eq!(problem["request_id"], id, "{self:?}");
-        assert_eq!(problem["type"], format!("urn:landmarkd:problem:{}", problem["code"].as_str().unwrap()));
+        assert_eq!(problem["type"], format!("/problems/{}", problem["code"].as_str().unwrap()));
         let puts_off = matches!(self.status, 429 | 503);
         assert_eq!(puts_off, self.headers.contains_key(header::RETRY_AFTER), "{self:?}");
     }

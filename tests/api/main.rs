@@ -9,6 +9,7 @@ mod process;
 mod audit;
 mod calibrations;
 mod connections;
+mod console;
 mod depth_maps;
 mod exemplars;
 mod freeform;

@@ -36,7 +36,6 @@ async fn every_unknown_thing_is_said_to_be_unknown() {
     let app = lab().await;
     let database = "/v1/databases/lab";
     let table = [
-        (bare(Method::GET, "/"), 404, "unknown_route"),
         (bare(Method::GET, "/v2/databases"), 404, "unknown_route"),
         (bare(Method::GET, "/v1/databases/lab/"), 404, "unknown_route"),
         (bare(Method::GET, "/v1/databases/lab/exemplars/x/y/z"), 404, "unknown_route"),
