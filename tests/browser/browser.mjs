@@ -1,0 +1,59 @@
+// A real browser, and what it must never do: complain, fail in silence, or ask another origin for anything.
+
+import assert from "node:assert/strict";
+import {chromium} from "playwright-core";
+
+const ARGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+  // A camera of the browser's own, that nobody is asked about.
+  "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"];
+const WAIT_MS = 15_000;
+
+export const launch = () => chromium.launch({executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ARGS});
+
+// A tab that is listened to. What a test provokes, it names with `provokes`.
+export class Tab {
+  static async open(browser, url, {width = 1280, height = 900, scheme = "light", context} = {}) {
+    const tab = new Tab();
+    tab.own = !context;
+    tab.context = context ?? await browser.newContext({viewport: {width, height}, colorScheme: scheme, acceptDownloads: true});
+    tab.page = await tab.context.newPage();
+    tab.page.setDefaultTimeout(WAIT_MS);
+    tab.url = url;
+    tab.heard = [];
+    tab.provoked = [];
+    tab.page.on("console", (message) => ["error", "warning"].includes(message.type()) && tab.heard.push(`${message.text()} (${message.location().url})`));
+    tab.page.on("pageerror", (error) => tab.heard.push(`not caught: ${error.stack ?? error}`));
+    tab.page.on("request", (request) => !request.url().startsWith(url) && !/^(blob|data):/.test(request.url()) && tab.heard.push(`asks another origin: ${request.url()}`));
+    tab.page.on("crash", () => tab.heard.push("the tab crashed"));
+    return tab;
+  }
+
+  // Says which complaints this test is about; each has to come.
+  provokes(...patterns) { this.provoked.push(...patterns); }
+
+  async go(address) {
+    await this.page.goto(this.url + address);
+    // The same page but for its hash isn't loaded anew: the route is.
+    await this.page.waitForFunction(() => document.querySelector("main h1, main h2"));
+  }
+
+  async close() {
+    await (this.own ? this.context : this.page).close();
+    const others = this.heard.filter((text) => !this.provoked.some((pattern) => pattern.test(text)));
+    assert.deepEqual(others, [], "the browser heard complaints");
+    for (const pattern of this.provoked) assert.ok(this.heard.some((text) => pattern.test(text)), `${pattern} was expected and didn't come`);
+  }
+}
+
+// Opens a tab for `use(page, tab)` and closes it. A fault of `use` counts before what the tab has heard.
+export async function withTab(browser, url, options, use) {
+  const tab = await Tab.open(browser, url, options);
+  try {
+    await use(tab.page, tab);
+  } catch (error) {
+    if (tab.heard.length) error.message += `\nheard meanwhile: ${tab.heard.join("\n")}`;
+    await tab.close().catch(() => {});
+    throw error;
+  }
+  await tab.close();
+}
