@@ -1,0 +1,188 @@
+from http import HTTPStatus
+from io import BytesIO
+from typing import Any, cast
+from urllib.parse import quote
+
+import httpx
+
+from ...client import AuthenticatedClient, Client
+from ...models.problem import Problem
+from ...types import File, Response
+
+
+def _get_kwargs(
+    database: str,
+    version: int,
+    image: str,
+) -> dict[str, Any]:
+
+    _kwargs: dict[str, Any] = {
+        "method": "get",
+        "url": "/v1/databases/{database}/versions/{version}/eigenimages/{image}".format(
+            database=quote(str(database), safe=""),
+            version=quote(str(version), safe=""),
+            image=quote(str(image), safe=""),
+        ),
+    }
+
+    return _kwargs
+
+
+def _parse_response(*, client: AuthenticatedClient | Client, response: httpx.Response) -> Any | File | Problem:
+    if response.status_code == 200:
+        response_200 = File(payload=BytesIO(response.content))
+
+        return response_200
+
+    if response.status_code == 304:
+        response_304 = cast(Any, None)
+        return response_304
+
+    response_default = Problem.from_dict(response.json())
+
+    return response_default
+
+
+def _build_response(
+    *, client: AuthenticatedClient | Client, response: httpx.Response
+) -> Response[Any | File | Problem]:
+    return Response(
+        status_code=HTTPStatus(response.status_code),
+        content=response.content,
+        headers=response.headers,
+        parsed=_parse_response(client=client, response=response),
+    )
+
+
+def sync_detailed(
+    database: str,
+    version: int,
+    image: str,
+    *,
+    client: AuthenticatedClient,
+) -> Response[Any | File | Problem]:
+    """The mean appearance of an object database, or an eigenimage of its universal eigenspace: zero is
+    mid-gray.
+
+    Args:
+        database (str):
+        version (int):
+        image (str):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Response[Any | File | Problem]
+    """
+
+    kwargs = _get_kwargs(
+        database=database,
+        version=version,
+        image=image,
+    )
+
+    response = client.get_httpx_client().request(
+        **kwargs,
+    )
+
+    return _build_response(client=client, response=response)
+
+
+def sync(
+    database: str,
+    version: int,
+    image: str,
+    *,
+    client: AuthenticatedClient,
+) -> Any | File | Problem | None:
+    """The mean appearance of an object database, or an eigenimage of its universal eigenspace: zero is
+    mid-gray.
+
+    Args:
+        database (str):
+        version (int):
+        image (str):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Any | File | Problem
+    """
+
+    return sync_detailed(
+        database=database,
+        version=version,
+        image=image,
+        client=client,
+    ).parsed
+
+
+async def asyncio_detailed(
+    database: str,
+    version: int,
+    image: str,
+    *,
+    client: AuthenticatedClient,
+) -> Response[Any | File | Problem]:
+    """The mean appearance of an object database, or an eigenimage of its universal eigenspace: zero is
+    mid-gray.
+
+    Args:
+        database (str):
+        version (int):
+        image (str):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Response[Any | File | Problem]
+    """
+
+    kwargs = _get_kwargs(
+        database=database,
+        version=version,
+        image=image,
+    )
+
+    response = await client.get_async_httpx_client().request(**kwargs)
+
+    return _build_response(client=client, response=response)
+
+
+async def asyncio(
+    database: str,
+    version: int,
+    image: str,
+    *,
+    client: AuthenticatedClient,
+) -> Any | File | Problem | None:
+    """The mean appearance of an object database, or an eigenimage of its universal eigenspace: zero is
+    mid-gray.
+
+    Args:
+        database (str):
+        version (int):
+        image (str):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Any | File | Problem
+    """
+
+    return (
+        await asyncio_detailed(
+            database=database,
+            version=version,
+            image=image,
+            client=client,
+        )
+    ).parsed

@@ -1,0 +1,166 @@
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import quote
+
+import httpx
+
+from ...client import AuthenticatedClient, Client
+from ...models.problem import Problem
+from ...models.version_body import VersionBody
+from ...types import Response
+
+
+def _get_kwargs(
+    database: str,
+    version: int,
+) -> dict[str, Any]:
+
+    _kwargs: dict[str, Any] = {
+        "method": "get",
+        "url": "/v1/databases/{database}/versions/{version}".format(
+            database=quote(str(database), safe=""),
+            version=quote(str(version), safe=""),
+        ),
+    }
+
+    return _kwargs
+
+
+def _parse_response(*, client: AuthenticatedClient | Client, response: httpx.Response) -> Problem | VersionBody:
+    if response.status_code == 200:
+        response_200 = VersionBody.from_dict(response.json())
+
+        return response_200
+
+    response_default = Problem.from_dict(response.json())
+
+    return response_default
+
+
+def _build_response(
+    *, client: AuthenticatedClient | Client, response: httpx.Response
+) -> Response[Problem | VersionBody]:
+    return Response(
+        status_code=HTTPStatus(response.status_code),
+        content=response.content,
+        headers=response.headers,
+        parsed=_parse_response(client=client, response=response),
+    )
+
+
+def sync_detailed(
+    database: str,
+    version: int,
+    *,
+    client: AuthenticatedClient,
+) -> Response[Problem | VersionBody]:
+    """One version with its report.
+
+    Args:
+        database (str):
+        version (int):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Response[Problem | VersionBody]
+    """
+
+    kwargs = _get_kwargs(
+        database=database,
+        version=version,
+    )
+
+    response = client.get_httpx_client().request(
+        **kwargs,
+    )
+
+    return _build_response(client=client, response=response)
+
+
+def sync(
+    database: str,
+    version: int,
+    *,
+    client: AuthenticatedClient,
+) -> Problem | VersionBody | None:
+    """One version with its report.
+
+    Args:
+        database (str):
+        version (int):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Problem | VersionBody
+    """
+
+    return sync_detailed(
+        database=database,
+        version=version,
+        client=client,
+    ).parsed
+
+
+async def asyncio_detailed(
+    database: str,
+    version: int,
+    *,
+    client: AuthenticatedClient,
+) -> Response[Problem | VersionBody]:
+    """One version with its report.
+
+    Args:
+        database (str):
+        version (int):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Response[Problem | VersionBody]
+    """
+
+    kwargs = _get_kwargs(
+        database=database,
+        version=version,
+    )
+
+    response = await client.get_async_httpx_client().request(**kwargs)
+
+    return _build_response(client=client, response=response)
+
+
+async def asyncio(
+    database: str,
+    version: int,
+    *,
+    client: AuthenticatedClient,
+) -> Problem | VersionBody | None:
+    """One version with its report.
+
+    Args:
+        database (str):
+        version (int):
+
+    Raises:
+        errors.UnexpectedStatus: If the server returns an undocumented status code and Client.raise_on_unexpected_status is True.
+        httpx.TimeoutException: If the request takes longer than Client.timeout.
+
+    Returns:
+        Problem | VersionBody
+    """
+
+    return (
+        await asyncio_detailed(
+            database=database,
+            version=version,
+            client=client,
+        )
+    ).parsed

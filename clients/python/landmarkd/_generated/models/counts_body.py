@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from attrs import define as _attrs_define
+from attrs import field as _attrs_field
+
+T = TypeVar("T", bound="CountsBody")
+
+
+@_attrs_define
+class CountsBody:
+    """What a version was trained from."""
+
+    exemplars: int
+    labels: int
+    interest_points: int
+    """ 0 for objects. """
+    additional_properties: dict[str, Any] = _attrs_field(init=False, factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        exemplars = self.exemplars
+
+        labels = self.labels
+
+        interest_points = self.interest_points
+
+        field_dict: dict[str, Any] = {}
+        field_dict.update(self.additional_properties)
+        field_dict.update(
+            {
+                "exemplars": exemplars,
+                "labels": labels,
+                "interest_points": interest_points,
+            }
+        )
+
+        return field_dict
+
+    @classmethod
+    def from_dict(cls: type[T], src_dict: Mapping[str, Any]) -> T:
+        d = dict(src_dict)
+        exemplars = d.pop("exemplars")
+
+        labels = d.pop("labels")
+
+        interest_points = d.pop("interest_points")
+
+        counts_body = cls(
+            exemplars=exemplars,
+            labels=labels,
+            interest_points=interest_points,
+        )
+
+        counts_body.additional_properties = d
+        return counts_body
+
+    @property
+    def additional_keys(self) -> list[str]:
+        return list(self.additional_properties.keys())
+
+    def __getitem__(self, key: str) -> Any:
+        return self.additional_properties[key]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self.additional_properties[key] = value
+
+    def __delitem__(self, key: str) -> None:
+        del self.additional_properties[key]
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.additional_properties

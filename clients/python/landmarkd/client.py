@@ -1,0 +1,460 @@
+"""The service as an object: each method is one call.
+
+Calls without a method of their own are in `landmarkd._generated.api`, and are made with `client.generated`.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import time
+from collections.abc import Callable, Mapping
+from types import TracebackType
+from typing import Any, Literal, TypeVar
+from uuid import UUID
+
+import httpx
+
+from ._generated import AuthenticatedClient
+from ._generated.api.databases import (
+    add_exemplar,
+    begin_training,
+    get_alias,
+    get_database,
+    get_version,
+    import_version,
+    put_alias,
+    put_database,
+)
+from ._generated.api.jobs import get_job
+from ._generated.api.recognition import add_frame, begin_track, end_track, recognise
+from ._generated.api.service import info
+from ._generated.api.workcell import inspect
+from ._generated.models import (
+    AliasBody,
+    DatabaseBody,
+    DatabaseDetail,
+    DepthForm,
+    ExemplarBody,
+    Info,
+    InspectionBody,
+    InspectionForm,
+    JobBody,
+    LandmarkRecognitionBody,
+    LandmarkTrackedFrameBody,
+    NewAlias,
+    NewDatabase,
+    NewTrack,
+    NewTraining,
+    ObjectRecognitionBody,
+    ObjectTrackedFrameBody,
+    TrackBody,
+    VersionBody,
+)
+from ._generated.types import File
+from .absent import wanted
+from .artifact import Artifact
+from .backoff import Backoff
+from .depth_map import PLANES, DepthMap
+from .job import Job, JobFailed, events
+from .optics import Optics
+from .options import Options
+from .picture import Picture, encoded, media_type
+from .problem import Problem, Unreachable
+from .recognition import Recognition
+from .track import Track, TrackedFrame
+
+T = TypeVar("T")
+
+MOST_STREAMS = 20
+"""How often the events of one job are asked for again after a stream broke off."""
+
+
+class Client:
+    """A landmarkd service.
+
+    Args:
+        url: where it is, such as `http://127.0.0.1:8080`.
+        key: the key that calls come with; `LANDMARKD_KEY` of the environment by default; empty for none.
+        robot_id: who asks; the service's answers and records have it.
+        timeout_s: longest time of a call, in seconds.
+        verify: False takes any certificate: for trying out only. A path names a file of trusted ones.
+
+    Every method raises `Problem` if the service refuses the call, and `Unreachable` if no answer comes. A client may be
+    used by several threads.
+
+    """
+
+    def __init__(
+        self,
+        url: str,
+        key: str | None = None,
+        *,
+        robot_id: str | None = None,
+        timeout_s: float = 60.0,
+        verify: bool | str = True,
+    ) -> None:
+        self.url = url.rstrip("/")
+        self.robot_id = robot_id
+        self.timeout_s = timeout_s
+        key = os.environ.get("LANDMARKD_KEY") if key is None else key
+        self._http = httpx.Client(
+            base_url=self.url,
+            headers={"Authorization": f"Bearer {key}"} if key else {},
+            timeout=timeout_s,
+            verify=verify,
+            event_hooks={"response": [refuse]},
+        )
+        self.generated = AuthenticatedClient(base_url=self.url, token=key or "").set_httpx_client(self._http)
+        """For the generated calls; they raise the same problems, but `httpx.TransportError` when no answer comes."""
+
+    def close(self) -> None:
+        """Close its connections."""
+        self._http.close()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # The service
+
+    def info(self) -> Info:
+        """What the service is and takes."""
+        return self._told(Info, lambda: info.sync(client=self.generated))
+
+    # Databases
+
+    def create(
+        self,
+        database: str,
+        kind: Literal["landmarks", "objects"] = "landmarks",
+        options: Mapping[str, Any] | None = None,
+    ) -> DatabaseBody:
+        """Create a database. For one that is there: replaces its options if some are given."""
+        body = NewDatabase(kind, Options.of(options))
+        return self._told(DatabaseBody, lambda: put_database.sync(database, client=self.generated, body=body))
+
+    def database(self, database: str) -> DatabaseDetail:
+        """A database with what it holds."""
+        return self._told(DatabaseDetail, lambda: get_database.sync(database, client=self.generated))
+
+    def teach(
+        self,
+        database: str,
+        label: str,
+        picture: Picture,
+        pose_deg: float | None = None,
+        *,
+        frame_id: str | None = None,
+        stamp: str | None = None,
+    ) -> ExemplarBody:
+        """Add a training image: what is seen (`label`) and, for objects, how it is turned, in degrees [0, 360).
+
+        The same again is the same exemplar. It is learnt by the next training.
+        """
+        image = upload(picture)
+        return self._told(
+            ExemplarBody,
+            lambda: add_exemplar.sync(
+                database,
+                client=self.generated,
+                body=image,
+                label=label,
+                pose_deg=wanted(pose_deg),
+                **self._header(frame_id, stamp),
+            ),
+        )
+
+    def train(
+        self,
+        database: str,
+        *,
+        options: Mapping[str, Any] | None = None,
+        promote: Literal["always", "if_not_worse", "never"] = "always",
+        wait: bool = True,
+        on_progress: Callable[[Job], None] | None = None,
+    ) -> Job:
+        """Train a version from the exemplars.
+
+        Args:
+            database: its name.
+            options: put over the database's for this training.
+            promote: whether the alias `current` moves to the new version.
+            wait: until the job has ended; otherwise follow it with `follow`.
+            on_progress: called with the job as often as it changes.
+
+        Raises:
+            JobFailed: it failed or was cancelled.
+
+        """
+        body = NewTraining(Options.of(options), promote)
+        begun = self._told(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
+        return self.follow(str(begun.id), on_progress) if wait else Job.of(begun)
+
+    def follow(self, job: str, on_progress: Callable[[Job], None] | None = None) -> Job:
+        """Follow a job to its end by its server-sent events, taken up again where they broke off.
+
+        Raises:
+            JobFailed: it failed or was cancelled.
+
+        """
+        last, backoff = "", Backoff(first_s=0.2, most_s=10)
+        while backoff.failures < MOST_STREAMS:
+            headers = {"Accept": "text/event-stream"} | ({"Last-Event-ID": last} if last else {})
+            # The service sends something every 15 s.
+            timeout = httpx.Timeout(10, read=60)
+            try:
+                with self._http.stream("GET", f"/v1/jobs/{job}/events", headers=headers, timeout=timeout) as stream:
+                    for event, told in events(stream.iter_lines()):
+                        last = event
+                        backoff.succeeded()
+                        state = Job.of(JobBody.from_dict(told))
+                        if on_progress is not None:
+                            on_progress(state)
+                        if state.ended:
+                            return succeeded(state)
+            except httpx.TransportError:
+                # Is it still there? If not, this says so.
+                pass
+            body = self._told(JobBody, lambda: get_job.sync(UUID(job), client=self.generated))
+            state = Job.of(body)
+            if state.ended:
+                return succeeded(state)
+            time.sleep(backoff.failed())
+        raise Unreachable(f"the events of job {job} broke off {MOST_STREAMS} times without a word between")
+
+    def version(self, database: str, version: int | str = "current") -> VersionBody:
+        """A version by its number or by the name of an alias, with the report of its training."""
+        number = self.number(database, version)
+        return self._told(VersionBody, lambda: get_version.sync(database, number, client=self.generated))
+
+    def number(self, database: str, version: int | str = "current") -> int:
+        """The number of a version: of the one that an alias points to, if it is a name."""
+        if isinstance(version, int):
+            return version
+        name = version
+        return self._told(AliasBody, lambda: get_alias.sync(database, name, client=self.generated)).version
+
+    def point(self, database: str, version: int, alias: str = "current") -> AliasBody:
+        """Point an alias to a version. Rolling back is pointing `current` to an older one."""
+        return self._told(
+            AliasBody, lambda: put_alias.sync(database, alias, client=self.generated, body=NewAlias(version=version))
+        )
+
+    def artifact(self, database: str, version: int | str = "current", *, etag: str | None = None) -> Artifact | None:
+        """A version as one file, by its number or by an alias; `None` if its entity tag is still `etag`."""
+        number = self.number(database, version)
+        answer = self._asked(
+            lambda: self._http.get(
+                f"/v1/databases/{database}/versions/{number}/artifact",
+                headers={"If-None-Match": etag} if etag else {},
+            )
+        )
+        if answer.status_code == httpx.codes.NOT_MODIFIED:
+            return None
+        return Artifact(database, number, answer.headers.get("ETag", ""), answer.content)
+
+    def take_in(self, database: str, artifact: bytes) -> VersionBody:
+        """Make a version of an artifact file. The same again is the same version; no alias moves."""
+        return self._told(
+            VersionBody,
+            lambda: import_version.sync(database, client=self.generated, body=File(io.BytesIO(artifact))),
+        )
+
+    # Recognition
+
+    def recognise(
+        self,
+        database: str,
+        picture: Picture,
+        *,
+        alias: str | None = None,
+        version: int | None = None,
+        top: int = 5,
+        explain: bool = False,
+        frame_id: str | None = None,
+        stamp: str | None = None,
+    ) -> Recognition:
+        """Ask what a picture shows.
+
+        Args:
+            database: its name.
+            picture: a path, a file's bytes, an open file, or an array (see `Picture`).
+            alias: the alias whose version answers; `current` if no version is named either.
+            version: number of the version that answers.
+            top: most labels in `votes` or `candidates`.
+            explain: whether every point's vote is wanted.
+            frame_id: the robot's name for it; comes back.
+            stamp: when it was taken, RFC 3339 or `sec.nanosec`; comes back.
+
+        """
+        image = upload(picture)
+        answer = self._asked(
+            lambda: recognise.sync(
+                database,
+                client=self.generated,
+                body=image,
+                alias=wanted(alias),
+                version=wanted(version),
+                top=top,
+                explain=explain,
+                **self._header(frame_id, stamp),
+            )
+        )
+        if not isinstance(answer, (LandmarkRecognitionBody, ObjectRecognitionBody)):
+            raise unexpected(answer)
+        return Recognition.of(answer)
+
+    def track(
+        self, database: str, *, motion: Literal["auto", "path", "still"] = "auto", alias: str | None = None
+    ) -> Track:
+        """Begin a track: the frames of a robot's way add up. `path` if exemplars were posted in the way's order."""
+        body = NewTrack(motion=motion, alias=wanted(alias))
+        begun = self._told(TrackBody, lambda: begin_track.sync(database, client=self.generated, body=body))
+
+        def add(picture: Picture, *, top: int, explain: bool, frame_id: str | None, stamp: str | None) -> TrackedFrame:
+            image = upload(picture)
+            answer = self._asked(
+                lambda: add_frame.sync(
+                    database,
+                    begun.id,
+                    client=self.generated,
+                    body=image,
+                    top=top,
+                    explain=explain,
+                    **self._header(frame_id, stamp),
+                )
+            )
+            if not isinstance(answer, (LandmarkTrackedFrameBody, ObjectTrackedFrameBody)):
+                raise unexpected(answer)
+            return TrackedFrame.of_track(answer)
+
+        def end() -> None:
+            self._asked(lambda: end_track.sync_detailed(database, begun.id, client=self.generated))
+
+        return Track(str(begun.id), begun.motion, begun.warnings, add, end)
+
+    # Depth and workcells
+
+    def depth(
+        self,
+        near: Picture,
+        far: Picture,
+        *,
+        optics: Optics | None = None,
+        calibration: str | None = None,
+        options: Mapping[str, Any] | None = None,
+        frame_id: str | None = None,
+        stamp: str | None = None,
+    ) -> DepthMap:
+        """Measure distances from a near- and a far-focused picture of one scene.
+
+        Give `optics`, or the name of a `calibration`. `options` are those of the service, such as `{"median": 3}`.
+        """
+        form = DepthForm(near=upload(near), far=upload(far), calibration=wanted(calibration))
+        if optics is not None:
+            form.optics = optics.body()
+        parts = form.to_multipart()
+        if options is not None:
+            parts.append(json_part("options", dict(options)))
+        robot = {"X-Robot-Id": self.robot_id, "X-Frame-Id": frame_id, "X-Stamp": stamp}
+        headers = {"Accept": "application/x-npy"} | {name: value for name, value in robot.items() if value is not None}
+        return DepthMap.of(
+            self._asked(
+                lambda: self._http.post(
+                    "/v1/depth-maps", params={"planes": ",".join(PLANES)}, files=parts, headers=headers
+                )
+            )
+        )
+
+    def inspect(
+        self,
+        workcell: str,
+        overview: Picture,
+        *,
+        near: Picture | None = None,
+        far: Picture | None = None,
+        region: int | None = None,
+        pair_view: Literal["local", "overview"] | None = None,
+        alias: str | None = None,
+        version: int | None = None,
+        frame_id: str | None = None,
+        stamp: str | None = None,
+    ) -> InspectionBody:
+        """Find every part on the table: what it is, how it is turned, where to reach for it (mm), how far away it is.
+
+        A focal pair (`near`, `far`) shows one part, that of `region`, or with `pair_view="overview"` the whole table.
+        """
+        form = InspectionForm(overview=upload(overview))
+        if near is not None:
+            form.near = upload(near)
+        if far is not None:
+            form.far = upload(far)
+        return self._told(
+            InspectionBody,
+            lambda: inspect.sync(
+                workcell,
+                client=self.generated,
+                body=form,
+                alias=wanted(alias),
+                version=wanted(version),
+                region=wanted(region),
+                pair_view=wanted(pair_view),
+                **self._header(frame_id, stamp),
+            ),
+        )
+
+    # How calls are made
+
+    def _header(self, frame_id: str | None, stamp: str | None) -> dict[str, Any]:
+        """What goes with a picture."""
+        return {"x_robot_id": wanted(self.robot_id), "x_frame_id": wanted(frame_id), "x_stamp": wanted(stamp)}
+
+    def _asked(self, ask: Callable[[], T]) -> T:
+        """The answer to a call."""
+        try:
+            return ask()
+        except httpx.TransportError as error:
+            raise Unreachable(f"{self.url} doesn't answer: {error or type(error).__name__}") from error
+
+    def _told(self, kind: type[T], ask: Callable[[], object]) -> T:
+        """The answer to a call that can only be of one kind."""
+        answer = self._asked(ask)
+        if not isinstance(answer, kind):
+            raise unexpected(answer)
+        return answer
+
+
+def refuse(response: httpx.Response) -> None:
+    """Raise the problem that an answer tells, if it does."""
+    if response.is_error:
+        response.read()
+        raise Problem.of(response)
+
+
+def unexpected(answer: object) -> Problem:
+    """What an answer is that the document doesn't know."""
+    return Problem(200, "", title="unexpected answer", detail=f"the service answered {type(answer).__name__}")
+
+
+def upload(picture: Picture) -> File:
+    """A picture as a part of a form."""
+    content = encoded(picture)
+    return File(io.BytesIO(content), "picture", media_type(content))
+
+
+def json_part(name: str, value: Mapping[str, Any]) -> tuple[str, Any]:
+    """A part of a form that is JSON."""
+    return name, (None, json.dumps(value).encode(), "application/json")
+
+
+def succeeded(job: Job) -> Job:
+    """The job, if it did."""
+    if job.state != "succeeded":
+        raise JobFailed(job)
+    return job

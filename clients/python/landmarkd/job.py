@@ -1,0 +1,95 @@
+"""Long work: its state, and the events that tell it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ._generated.models import ComparisonBody, JobBody
+from ._generated.models import Problem as ProblemBody
+from .absent import given
+from .problem import FieldFault, Problem
+
+ENDED = ("succeeded", "failed", "cancelled")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of long work, as it stands."""
+
+    id: str
+    state: str
+    """`queued`, `running`, `succeeded`, `failed` or `cancelled`."""
+    stage: str = ""
+    """What is being done; empty before anything is."""
+    done: int = 0
+    """Steps of the stage that are done."""
+    total: int = 0
+    """Steps of the stage."""
+    version: int | None = None
+    """The version that it made or found."""
+    comparison: ComparisonBody | None = None
+    """How that did beside the one in use, with `promote="if_not_worse"`."""
+    problem: Problem | None = None
+    """Why it failed."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether it will not change any more."""
+        return self.state in ENDED
+
+    @classmethod
+    def of(cls, body: JobBody) -> Job:
+        """From the service's answer."""
+        progress = given(body.progress)
+        told = given(body.problem)
+        return cls(
+            id=str(body.id),
+            state=body.state,
+            stage=progress.stage if progress else "",
+            done=progress.done if progress else 0,
+            total=progress.total if progress else 0,
+            version=given(body.version),
+            comparison=given(body.comparison),
+            problem=problem(told) if told else None,
+        )
+
+
+class JobFailed(Exception):
+    """A job ended without what it was for; `job.problem` says why if it failed."""
+
+    def __init__(self, job: Job) -> None:
+        super().__init__(f"job {job.id} {job.state}" + (f": {job.problem}" if job.problem else ""))
+        self.job = job
+
+
+def problem(body: ProblemBody) -> Problem:
+    """A job's problem as an exception."""
+    return Problem(
+        body.status,
+        body.code,
+        title=body.title,
+        detail=body.detail,
+        errors=[FieldFault(fault.pointer, fault.detail) for fault in given(body.errors) or []],
+        request_id=given(body.request_id),
+    )
+
+
+def events(lines: Iterable[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Server-sent events: of each its id and its data, which is an object as JSON."""
+    last = ""
+    data: list[str] = []
+    for line in lines:
+        if not line:
+            if data:
+                yield last, json.loads("\n".join(data))
+            data = []
+        elif not line.startswith(":"):
+            name, _, value = line.partition(":")
+            value = value.removeprefix(" ")
+            if name == "id":
+                last = value
+            elif name == "data":
+                data.append(value)
