@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use reqwest::multipart::{Form, Part};
 use reqwest::{Method, RequestBuilder, Response, Url};
-use serde_json::{Value, json};
+use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
 use super::DemoError;
@@ -137,10 +137,10 @@ impl Server {
         self.send(with_png(call, &exemplar.png)).await.map(drop)
     }
 
-    /// Train and wait for the end; returns the version.
-    pub async fn train(&self, database: &str) -> Result<u64, DemoError> {
+    /// Train as `wanted` says and wait for the end; returns the version.
+    pub async fn train(&self, database: &str, wanted: &Value) -> Result<u64, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "trainings"], &[]);
-        let mut job = self.json(call.json(&json!({}))).await?;
+        let mut job = self.json(call.json(wanted)).await?;
         let id = job["id"].as_str().unwrap_or_default().to_owned();
         let started = Instant::now();
         loop {

@@ -155,6 +155,7 @@ pub async fn run(
     }
     writeln!(out, "\npictures: {} (annotated.png: an answer and its evidence)", pictures_dir.display())?;
     if let (false, Some((database, file))) = (args.exit, shown) {
+        clicks(base_url, database, pictures_dir, args.images.is_none(), out)?;
         directions(base_url, database, &file, out)?;
         if let Some(scene) = measured.last() {
             distances::directions(base_url, &pictures_dir.join(distances::FOLDER), scene, out)?;
@@ -176,6 +177,9 @@ async fn turn(server: &Server, folder: &Path, out: &mut dyn Write) -> Result<Tur
     keep_in(&folder.join("learned"), learned)?;
     keep_in(&folder.join("asked"), asked)?;
     let version = teach(server, turning::DATABASE, &json!({"kind": "objects"}), &views, out).await?;
+    // For comparison: what the console shows of two versions.
+    let small = json!({"options": {"dimension": 6}, "promote": "never"});
+    server.train(turning::DATABASE, &small).await?;
     let summary = turning::examine(server, version, &questions, out).await?;
     if let Some(question) = turning::example(&questions).map(|n| &questions[n]) {
         let annotated = server.annotated(turning::DATABASE, &question.png).await?;
@@ -247,7 +251,7 @@ async fn teach(
         server.learn(database, exemplar).await?;
     }
     let started = std::time::Instant::now();
-    let version = server.train(database).await?;
+    let version = server.train(database, &json!({})).await?;
     let took_s = started.elapsed().as_secs_f64();
     let count = exemplars.len();
     writeln!(out, "\n{database}: {count} pictures learned as version {version} in {took_s:.2} s")?;
@@ -288,6 +292,30 @@ async fn examine(
     Ok(rates)
 }
 
+/// What to click first: pages of the console that this demo filled, and the pictures to give them.
+fn clicks(
+    base_url: &str,
+    database: &str,
+    pictures_dir: &Path,
+    drawn: bool,
+    out: &mut dyn Write,
+) -> Result<(), DemoError> {
+    let base_url = base_url.trim_end_matches('/');
+    writeln!(out, "\nopen {base_url}/ in a browser, and click:")?;
+    let mut click = |page: &str, what: &str| writeln!(out, "  {:<44}{what}", format!("{base_url}/#/{page}"));
+    if !drawn {
+        click(&format!("try/{database}"), "drop a picture: what it is, and why")?;
+        return Ok(click("", "everything that is here")?);
+    }
+    click("try/demo-objects", "drop a picture of demo-objects/asked: what it is, and why")?;
+    click("try/demo-turntable", "drop one of demo-turntable/asked: how it is turned")?;
+    click("versions/demo-turntable/1/2", "what trainings tell of themselves: two versions")?;
+    click("depth", "drop near.png and far.png of a scene: how far it is")?;
+    click("workcells/demo", "drop demo-workcell/table.png: where to reach")?;
+    click("", "everything that is here")?;
+    Ok(writeln!(out, "the pictures are in {}", pictures_dir.display())?)
+}
+
 /// Where to look next.
 fn directions(base_url: &str, database: &str, file: &Path, out: &mut dyn Write) -> Result<(), DemoError> {
     let (base_url, file) = (base_url.trim_end_matches('/'), file.display());
@@ -295,8 +323,7 @@ fn directions(base_url: &str, database: &str, file: &Path, out: &mut dyn Write) 
     let url = format!("{base_url}/v1/databases/{database}/recognitions");
     writeln!(
         out,
-        "\nlook:\n  {base_url}/docs      every call, to try out\n  {base_url}/metrics   counts and times\n\
-         ask:\n  {call} \\\n    '{url}?explain=true'\n\
+        "\nor with curl; {base_url}/docs has every call, {base_url}/metrics counts and times.\nask:\n  {call} \\\n    '{url}?explain=true'\n\
          see the points and votes:\n  {call} \\\n    -H 'Accept: image/png' -o annotated.png '{url}'"
     )?;
     Ok(())
@@ -370,6 +397,10 @@ mod tests {
         assert!(before > 25.0 && once < 3.0 && twice < 1.0 && inspecting.centred, "{printed}");
         assert!(printed.contains("preview=turbo") && printed.contains("/v1/workcells/demo/"), "{printed}");
         assert!(printed.contains("/docs") && printed.contains("curl --data-binary"), "{printed}");
+        assert!(
+            printed.contains("/#/try/demo-objects") && printed.contains("/#/workcells/demo"),
+            "{printed}"
+        );
         for database in ["demo-rooms", "demo-objects", "demo-turntable", "demo-workcell"] {
             let annotated = fs::read(summary.pictures_dir.join(database).join("annotated.png")).unwrap();
             assert!(annotated.starts_with(b"\x89PNG"), "{database}");
