@@ -302,7 +302,7 @@ fn clicks(
 ) -> Result<(), DemoError> {
     let base_url = base_url.trim_end_matches('/');
     writeln!(out, "\nopen {base_url}/ in a browser, and click:")?;
-    let mut click = |page: &str, what: &str| writeln!(out, "  {:<44}{what}", format!("{base_url}/#/{page}"));
+    let mut click = |page: &str, what: &str| writeln!(out, "  {:<58}{what}", format!("{base_url}/#/{page}"));
     if !drawn {
         click(&format!("try/{database}"), "drop a picture: what it is, and why")?;
         return Ok(click("", "everything that is here")?);
