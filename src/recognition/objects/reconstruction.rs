@@ -1,4 +1,4 @@
-//! What the eigenspace makes of a picture (B(12), turned round): the appearance, what the eigenimages rebuild of it, and
+//! What the eigenspace makes of a picture (B(13), turned round): the appearance, what the eigenimages rebuild of it, and
 //! what they can't express.
 
 use super::appearance::{Appearance, SizeMismatch};
@@ -26,7 +26,7 @@ impl Objects {
     pub fn reconstruct(&self, frame: &Frame) -> Result<Reconstruction, SizeMismatch> {
         let appearance: Appearance = self.canvas.appearance(frame)?; // B(7)
         let (point, distance_from_space) = self.universal.locate(&appearance.vector); // B(13)
-        let rebuilt = self.universal.rebuild(&point); // B(12)
+        let rebuilt = self.universal.rebuild(&point); // B(13): c + Eᵀh
         let brightest = appearance.vector.iter().fold(f32::MIN_POSITIVE, |most, &v| most.max(v));
         let gray = |v: f32| (255.0 * v / brightest).clamp(0.0, 255.0);
         let differences = appearance.vector.iter().zip(&rebuilt).map(|(seen, rebuilt)| seen - rebuilt);
