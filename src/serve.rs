@@ -22,7 +22,6 @@ use crate::connections;
 use crate::database::Databases;
 use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
-use crate::imaging::DecodeLimits;
 use crate::jobs::{Jobs, Runner};
 use crate::store::{
     Blobs, Catalogue, CatalogueError, Collected, Folder, OpenBucketError, OpenCatalogueError,
@@ -30,6 +29,7 @@ use crate::store::{
 };
 use crate::telemetry::{Metrics, chain};
 use crate::tls::{self, TlsError};
+use landmarkd_core::imaging::DecodeLimits;
 
 /// Connections that may wait to be accepted: as many as there may be in all.
 const BACKLOG: u32 = 1024;

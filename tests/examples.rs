@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use landmarkd::depth::scene::Relief;
+use landmarkd_core::depth::scene::Relief;
 use pictures::{Thing, png, scene_png, thing};
 
 /// What an example prints.

@@ -1,7 +1,7 @@
 //! The image wrapper: a picture's header and its pixels, under limits.
 #![no_main]
 
-use landmarkd::imaging::{DecodeLimits, decode, read_header};
+use landmarkd_core::imaging::{DecodeLimits, decode, read_header};
 use landmarkd_fuzz::seeds;
 use libfuzzer_sys::fuzz_target;
 

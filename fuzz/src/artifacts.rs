@@ -2,8 +2,8 @@
 
 use landmarkd::database::artifact::{self, Artifact};
 use landmarkd::database::{Model, Options};
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::{landmarks, objects};
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::{landmarks, objects};
 
 use crate::drawn;
 use crate::site::{Asked, ask};

@@ -2,9 +2,9 @@
 
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use landmarkd::imaging::encode::{png_gray8, png_rgb8};
-use landmarkd::imaging::random::Random;
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
+use landmarkd_core::imaging::random::Random;
+use landmarkd_core::imaging::{Frame, Image};
 use serde_json::{Value, json};
 
 /// Side of a scene, in pixels.

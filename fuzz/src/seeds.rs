@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use landmarkd::imaging::random::Random;
+use landmarkd_core::imaging::random::Random;
 use serde_json::{Value, json};
 
 use crate::artifacts;

@@ -16,10 +16,10 @@ use super::artifact;
 use super::options::Options;
 use super::{CURRENT, DatabaseError, Databases, Kind, Name};
 use crate::compute::{Compute, Lane};
-use crate::recognition::landmarks::Landmarks;
-use crate::recognition::objects::Objects;
 use crate::store::{AliasTarget, BlobError, Blobs, Catalogue};
 use crate::telemetry::chain;
+use landmarkd_core::recognition::landmarks::Landmarks;
+use landmarkd_core::recognition::objects::Objects;
 
 /// What a version recognises with.
 pub enum Model {

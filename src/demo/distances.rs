@@ -9,9 +9,9 @@ use serde_json::json;
 use super::DemoError;
 use super::client::Server;
 use super::write_file;
-use crate::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-use crate::depth::{Aperture, NearSensor, Optics, OpticsSpec};
 use crate::evaluate::depth::{DepthErrors, DepthPair, Plane};
+use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
+use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
 
 /// The folder of the fourth act's pictures.
 pub const FOLDER: &str = "demo-depth";

@@ -14,7 +14,7 @@ use super::table::{Standing, Table};
 use super::turntable::{WITHOUT_POSE, known_things, strange_things};
 use super::{DemoError, keep_in};
 use crate::evaluate::{PoseErrors, Rate, degrees_apart};
-use crate::imaging::encode::png_rgb8;
+use landmarkd_core::imaging::encode::png_rgb8;
 
 /// The database of the last act.
 pub const DATABASE: &str = "demo-workcell";
@@ -389,10 +389,10 @@ impl InspectingSummary {
 mod tests {
     use super::*;
     use crate::demo::client::{AnsweredPose, ObjectAnswer};
-    use crate::imaging::{DecodeLimits, Frame, decode};
-    use crate::recognition::objects::{Canvas, ObjectOptions, Objects, View};
-    use crate::vision::segmentation::SegmentationOptions;
-    use crate::workcell::{Correspondence, Mapping, Workcell};
+    use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
+    use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+    use landmarkd_core::vision::segmentation::SegmentationOptions;
+    use landmarkd_core::workcell::{Correspondence, Mapping, Workcell};
 
     fn frame(png: &[u8]) -> Frame {
         decode(png, &DecodeLimits::default()).unwrap()
@@ -466,7 +466,7 @@ mod tests {
             segmentation: SegmentationOptions::default(),
         };
         let overview = frame(&photographed(&table(parts)));
-        let inspection = crate::workcell::inspect(&overview, &workcell, &model, |_| ());
+        let inspection = landmarkd_core::workcell::inspect(&overview, &workcell, &model, |_| ());
         let said = inspection.parts.into_iter().map(|part| {
             let decision = part.recognition.decision;
             let pose = decision.as_ref().and_then(|decision| decision.pose).map(|pose| AnsweredPose {

@@ -4,7 +4,7 @@
 use super::drawing::{Outline, Paint, Picture, Scene, View, hash};
 use super::objects::{clutter, objects, table};
 use super::rooms::rooms;
-use crate::imaging::encode::png_rgb8;
+use landmarkd_core::imaging::encode::png_rgb8;
 
 const ROOM_WIDTH_PX: usize = 320;
 const ROOM_HEIGHT_PX: usize = 240;
@@ -128,8 +128,8 @@ pub fn object_lesson() -> Lesson {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imaging::{DecodeLimits, Frame, decode};
-    use crate::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
+    use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
+    use landmarkd_core::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
 
     fn frame(png: &[u8]) -> Frame {
         decode(png, &DecodeLimits::default()).unwrap()

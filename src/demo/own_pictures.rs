@@ -8,8 +8,8 @@ use super::drawing::hash;
 use super::lessons::{Exemplar, Lesson, Question};
 use crate::database::Name;
 use crate::evaluate::labelled_files;
-use crate::imaging::encode::{png_gray8, png_rgb8};
-use crate::imaging::{DecodeLimits, Frame, Image, decode};
+use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
+use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 
 /// Longer pictures are shrunk by a whole factor, for learning and asking alike: a turned view is sent as PNG, and
 /// four of each are made.

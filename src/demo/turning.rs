@@ -9,7 +9,7 @@ use super::drawing::hash;
 use super::lessons::Exemplar;
 use super::turntable::{SIDE_PX, Thing, WITHOUT_POSE, known_things, strange_things};
 use crate::evaluate::{PoseErrors, Rate, degrees_apart};
-use crate::imaging::encode::png_rgb8;
+use landmarkd_core::imaging::encode::png_rgb8;
 
 /// The database of the third act.
 pub const DATABASE: &str = "demo-turntable";
@@ -202,8 +202,8 @@ impl TurningSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imaging::{DecodeLimits, Frame, decode};
-    use crate::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+    use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
+    use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
 
     fn frame(png: &[u8]) -> Frame {
         decode(png, &DecodeLimits::default()).unwrap()

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::EvaluateError;
 use super::figures::ms_since;
-use crate::imaging::{DecodeLimits, Frame, decode};
+use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
 
 /// The query folder of frames without a known object.
 pub(super) const UNKNOWN: &str = "unknown";

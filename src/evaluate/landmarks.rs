@@ -14,7 +14,7 @@ use super::figures::{Confusion, Rate, Times, closing_rows, ms_since, row};
 use super::files::{Files, Skipped, UNKNOWN, read_frame};
 use super::options::document_of;
 use crate::database::options::Options;
-use crate::recognition::landmarks::{
+use landmarkd_core::recognition::landmarks::{
     ExemplarName, LandmarkOptions, Landmarks, Recognition, describe, rehearsals,
 };
 
@@ -284,7 +284,7 @@ mod tests {
 
     use super::super::files::training_and_queries;
     use super::*;
-    use crate::imaging::encode::png_gray8;
+    use landmarkd_core::imaging::encode::png_gray8;
 
     /// A picture of 12 px cells whose greys depend on the seed alone.
     fn write_picture(path: &Path, seed: usize) {

@@ -22,7 +22,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::database::options::{DocumentError, Kind, Options};
-use crate::recognition;
+use landmarkd_core::recognition;
 
 pub use figures::{Confusion, PoseErrors, Rate, Times, degrees_apart};
 pub use files::{LabelledFile, Skipped, labelled_files};

@@ -12,7 +12,7 @@ use super::figures::{Confusion, PoseErrors, Rate, Times, closing_rows, degrees_a
 use super::files::{Files, LabelledFile, Skipped, UNKNOWN, read_frame};
 use super::options::document_of;
 use crate::database::options::Options;
-use crate::recognition::objects::{
+use landmarkd_core::recognition::objects::{
     Canvas, ObjectOptions, Objects, Pose, Recognition, TrainingError, TrainingReport, View, common_size,
 };
 
@@ -325,7 +325,7 @@ mod tests {
 
     use super::super::files::training_and_queries;
     use super::*;
-    use crate::imaging::encode::png_gray8;
+    use landmarkd_core::imaging::encode::png_gray8;
 
     const SIDE_PX: usize = 32;
 

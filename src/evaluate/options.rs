@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::EvaluateError;
 use crate::database::options::{DocumentError, Kind, Options};
-use crate::recognition::landmarks::LandmarkOptions;
+use landmarkd_core::recognition::landmarks::LandmarkOptions;
 
 /// The options as the document they are kept as.
 pub(super) fn document_of(options: &Options) -> Value {
@@ -64,8 +64,8 @@ fn read_pair(pair: &str) -> Result<(&str, Value), EvaluateError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recognition::landmarks::{Method, Viewpoint};
-    use crate::recognition::objects::{Dimension, ObjectOptions};
+    use landmarkd_core::recognition::landmarks::{Method, Viewpoint};
+    use landmarkd_core::recognition::objects::{Dimension, ObjectOptions};
 
     fn with(kind: Kind, pairs: &[&str]) -> Result<Options, EvaluateError> {
         options_with(kind, &pairs.iter().map(|pair| (*pair).to_owned()).collect::<Vec<_>>())

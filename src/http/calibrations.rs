@@ -19,8 +19,8 @@ use super::problem::{Code, FieldError, Problem};
 use super::uploads::{KnownParts, Picture};
 use crate::compute::Lane;
 use crate::database::{Name, Rig};
-use crate::depth::{Calibration, RegistrationTarget};
-use crate::imaging::{self, DecodeLimits};
+use landmarkd_core::depth::{Calibration, RegistrationTarget};
+use landmarkd_core::imaging::{self, DecodeLimits};
 
 /// The calibration that a call is about.
 #[derive(Debug, Clone, Deserialize, IntoParams)]

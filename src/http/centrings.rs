@@ -16,9 +16,9 @@ use super::stages::Stages;
 use super::uploads::{HeaderEcho, OnePicture, RobotHeader};
 use super::workcells::WorkcellPath;
 use crate::compute::Lane;
-use crate::imaging;
 use crate::telemetry::Work;
-use crate::workcell::centring;
+use landmarkd_core::imaging;
+use landmarkd_core::workcell::centring;
 
 /// By how much the part nearest the picture's middle is off it.
 #[derive(Debug, Serialize, ToSchema)]

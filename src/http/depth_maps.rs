@@ -20,9 +20,9 @@ use super::uploads::{HeaderEcho, KnownParts, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{FrameHeader, Name};
-use crate::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
-use crate::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
 use crate::telemetry::Work;
+use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
+use landmarkd_core::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
 
 /// Which planes an array has.
 #[derive(Debug, Clone, Default, Deserialize, IntoParams)]

@@ -12,8 +12,8 @@ use super::problem::{Code, Problem};
 use super::versions::{Freshness, unless_known};
 use crate::compute::Lane;
 use crate::database::{LoadedVersion, Model, Name};
-use crate::imaging::Image;
-use crate::imaging::encode::png_gray8;
+use landmarkd_core::imaging::Image;
+use landmarkd_core::imaging::encode::png_gray8;
 
 /// The eigenimage that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]

@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::depth::{Calibration, DepthOptions, Estimator, EstimatorError};
+use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, EstimatorError};
 
 /// Most estimators kept: rigs of a site, or options that somebody tries out. Each holds a few hundred kilobytes.
 const MOST: usize = 16;
@@ -52,7 +52,7 @@ impl Estimators {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::{Aperture, Method, NearSensor, Optics, OpticsSpec, Window};
+    use landmarkd_core::depth::{Aperture, Method, NearSensor, Optics, OpticsSpec, Window};
 
     #[test]
     fn the_same_rig_and_options_share_one_estimator_until_many_others_came() {

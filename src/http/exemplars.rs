@@ -18,7 +18,7 @@ use super::problem::Problem;
 use super::uploads::{HeaderEcho, OnePicture, Picture, RobotHeader};
 use crate::compute::Lane;
 use crate::database::{ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
-use crate::imaging::{self, DecodeError};
+use landmarkd_core::imaging::{self, DecodeError};
 
 /// The exemplar that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]

@@ -21,12 +21,12 @@ use super::workcells::WorkcellPath;
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{DatabaseError, FrameHeader, Kind, LoadedVersion, Model, Name};
-use crate::depth::{Calibration, DepthMap, DepthOptions, FocalPair};
-use crate::imaging;
-use crate::recognition::objects::Objects;
 use crate::telemetry::Work;
-use crate::vision::segmentation::segmented_from_near;
-use crate::workcell::{Distance, Inspection, Part, Stage, Workcell, annotate, inspect};
+use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, FocalPair};
+use landmarkd_core::imaging;
+use landmarkd_core::recognition::objects::Objects;
+use landmarkd_core::vision::segmentation::segmented_from_near;
+use landmarkd_core::workcell::{Distance, Inspection, Part, Stage, Workcell, annotate, inspect};
 
 /// What the pair shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]

@@ -62,9 +62,9 @@ use crate::access::Keyring;
 use crate::compute::Compute;
 use crate::config::{Limits, Role};
 use crate::database::{Databases, Process};
-use crate::imaging::DecodeLimits;
 use crate::jobs::Jobs;
 use crate::telemetry::Metrics;
+use landmarkd_core::imaging::DecodeLimits;
 
 /// What the handlers share; cheap to clone.
 #[derive(Clone)]

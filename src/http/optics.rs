@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::options::readable;
 use super::problem::FieldError;
-use crate::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
 
 /// One lens before two sensors. Exactly one of `aperture_mm` and `f_number`, and exactly one of `near_plane_mm` and
 /// `near_focus_mm`.

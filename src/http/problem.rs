@@ -13,12 +13,12 @@ use crate::access::AccessError;
 use crate::compute::ComputeError;
 use crate::database::DatabaseError;
 use crate::database::artifact::ArtifactError;
-use crate::depth::{EstimateError, EstimatorError, PairError, RegistrationError, SweepError};
-use crate::imaging::DecodeError;
 use crate::jobs::{JobError, sweep_problem};
-use crate::recognition::objects::SizeMismatch;
 use crate::store::{BlobError, CatalogueError, outage};
 use crate::telemetry::chain;
+use landmarkd_core::depth::{EstimateError, EstimatorError, PairError, RegistrationError, SweepError};
+use landmarkd_core::imaging::DecodeError;
+use landmarkd_core::recognition::objects::SizeMismatch;
 
 macro_rules! codes {
     ($($code:ident $word:literal $status:ident $title:literal $advice:literal,)+) => {

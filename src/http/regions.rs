@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::vision::segmentation::{Region, Segmentation};
+use landmarkd_core::vision::segmentation::{Region, Segmentation};
 
 /// A connected part of a picture that stands out from its background.
 #[derive(Debug, Serialize, ToSchema)]

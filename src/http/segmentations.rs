@@ -18,10 +18,10 @@ use super::stages::Stages;
 use super::uploads::{HeaderEcho, KnownParts, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
-use crate::imaging::{self, Frame, encode};
 use crate::telemetry::Work;
-use crate::vision::segmentation::{Segmentation, SegmentationOptions, segmented};
-use crate::workcell::annotate_regions;
+use landmarkd_core::imaging::{self, Frame, encode};
+use landmarkd_core::vision::segmentation::{Segmentation, SegmentationOptions, segmented};
+use landmarkd_core::workcell::annotate_regions;
 
 /// A picture, and how it is taken apart.
 #[derive(ToSchema)]

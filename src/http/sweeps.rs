@@ -19,9 +19,9 @@ use super::problem::{Code, FieldError, Problem};
 use super::uploads::{Form, Picture};
 use crate::compute::Lane;
 use crate::database::{PictureBlob, Rig};
-use crate::depth::{MAX_PLANES, Method, Sweep};
-use crate::imaging;
 use crate::jobs::{SweepParams, SweepPlane};
+use landmarkd_core::depth::{MAX_PLANES, Method, Sweep};
+use landmarkd_core::imaging;
 
 /// One plane of a sweep.
 #[derive(Debug, Clone, Deserialize, ToSchema)]

@@ -24,7 +24,7 @@ use super::problem::{Code, FieldError, Problem};
 use super::{Service, body};
 use crate::config::Limits;
 use crate::database::FrameHeader;
-use crate::imaging::{self, DecodeLimits, Format};
+use landmarkd_core::imaging::{self, DecodeLimits, Format};
 
 /// A picture as sent, with what its header says.
 #[derive(Debug)]

@@ -16,7 +16,7 @@ use super::options::{SegmentationOptionsBody, readable, words};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{FieldError, Problem};
 use crate::database::{DatabaseError, KeptWorkcell, Name, WorkcellSetup};
-use crate::workcell::{self, Correspondence, LocalCamera, Mapping, MappingError, Workcell};
+use landmarkd_core::workcell::{self, Correspondence, LocalCamera, Mapping, MappingError, Workcell};
 
 words!(
     /// What a mapping keeps: shapes (turned, scaled and moved); parallels; straight lines (a camera that looks aslant).

@@ -11,9 +11,9 @@ use uuid::Uuid;
 use super::{Jobs, sweep, training};
 use crate::compute::{Compute, ComputeError};
 use crate::database::{DatabaseError, Databases, JobRow, Progress};
-use crate::imaging::DecodeLimits;
 use crate::store::CatalogueError;
 use crate::telemetry::{Metrics, chain};
+use landmarkd_core::imaging::DecodeLimits;
 
 /// How long a silent worker keeps its job: three missed renewals.
 pub const WORKER_LEASE: Duration = Duration::from_secs(15);

@@ -9,9 +9,9 @@ use tokio::sync::watch;
 use super::runner::{Lease, Stop};
 use crate::compute::{Compute, Lane};
 use crate::database::{DatabaseError, Databases, JobRow, Name, PictureBlob, Rig};
-use crate::depth::{FocalPair, Method, PairError, Sweep, SweepError};
-use crate::imaging::{self, DecodeError, DecodeLimits};
 use crate::telemetry::chain;
+use landmarkd_core::depth::{FocalPair, Method, PairError, Sweep, SweepError};
+use landmarkd_core::imaging::{self, DecodeError, DecodeLimits};
 
 /// The word for this job in the catalogue.
 pub(super) const KIND: &str = "sweep";
@@ -161,7 +161,11 @@ impl Worker<'_> {
     }
 
     /// The rig with its table. The wish to cancel is heard between steps.
-    async fn fitted(&self, sweep: Sweep, fit_optics: bool) -> Result<crate::depth::Calibration, Stop> {
+    async fn fitted(
+        &self,
+        sweep: Sweep,
+        fit_optics: bool,
+    ) -> Result<landmarkd_core::depth::Calibration, Stop> {
         self.lease.progress("fit", 0, 1).await?;
         let (tell, mut told) = watch::channel((0, 1));
         let lease = self.lease.clone();

@@ -2,7 +2,7 @@
 //! measured of another rig.
 
 use bytes::Bytes;
-use landmarkd::depth::scene::Relief;
+use landmarkd_core::depth::scene::Relief;
 use serde_json::{Value, json};
 
 use crate::app::{Answer, App, form, form_type, pointers};
@@ -251,7 +251,7 @@ async fn a_plane_without_texture_fails_its_job() {
     let mut parts = sweep_parts(&depths_mm, &depths_mm);
     let flat = |level: u8| {
         let (width, height) = SIZE_PX;
-        Bytes::from(landmarkd::imaging::encode::png_gray8(width, height, &vec![level; width * height]))
+        Bytes::from(landmarkd_core::imaging::encode::png_gray8(width, height, &vec![level; width * height]))
     };
     (parts[4].1, parts[5].1) = (flat(99), flat(100));
     let job = app.finished(&sweep(&app, &parts).await.expect(202)).await;
@@ -313,7 +313,7 @@ async fn a_rig_is_registered_by_one_target() {
     let (width, height) = (256, 240);
     let target = photograph_of((width, height), Relief::Plane { share: 0.5 }, 11).pngs().map(Bytes::from);
     let level = |level: u8| {
-        Bytes::from(landmarkd::imaging::encode::png_gray8(width, height, &vec![level; width * height]))
+        Bytes::from(landmarkd_core::imaging::encode::png_gray8(width, height, &vec![level; width * height]))
     };
     let whole: Vec<(String, Bytes)> = [
         ("near", target[0].clone()),

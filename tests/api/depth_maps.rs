@@ -2,9 +2,9 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
-use landmarkd::depth::scene::Relief;
-use landmarkd::imaging::encode::png_gray8;
-use landmarkd::imaging::{DecodeLimits, decode};
+use landmarkd_core::depth::scene::Relief;
+use landmarkd_core::imaging::encode::png_gray8;
+use landmarkd_core::imaging::{DecodeLimits, decode};
 use serde_json::{Value, json};
 
 use crate::app::{Answer, App, form, form_type, pointers, request, with_bytes};

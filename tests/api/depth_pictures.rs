@@ -1,8 +1,8 @@
 //! A rig for the tests, and what its camera sees.
 
 use bytes::Bytes;
-use landmarkd::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-use landmarkd::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
+use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
 use serde_json::{Value, json};
 
 /// Width and height of a picture.

@@ -3,7 +3,7 @@
 
 use axum::http::Method;
 use bytes::Bytes;
-use landmarkd::imaging::encode::png_gray8;
+use landmarkd_core::imaging::encode::png_gray8;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use serde_json::{Value, json};

@@ -182,7 +182,7 @@ async fn pictures_cut_off_anywhere_are_answered_with_a_problem_or_what_can_be_se
     // Noise, so that the files are long: no compressor shortens it.
     let mut numbers = crate::pictures::Numbers::seeded(11);
     let pixels: Vec<u8> = (0..3 * 96 * 96).map(|_| numbers.next() as u8).collect();
-    let noise = landmarkd::imaging::Frame::from_rgb8(96, 96, &pixels);
+    let noise = landmarkd_core::imaging::Frame::from_rgb8(96, 96, &pixels);
     for picture in [png(&noise), jpeg(&noise), jpeg(&scene(1))] {
         assert!(picture.len() > 2000);
         let kilobytes = (0..picture.len()).step_by(1024);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use axum::body::Body;
 use axum::http::{Method, header};
-use landmarkd::imaging::{DecodeLimits, Frame, decode};
+use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, request, tar, with_bytes};
@@ -57,7 +57,7 @@ async fn explained_points_sum_to_the_weight_of_each_label() {
     let (one, other) = (scene(1).to_rgb8(), scene(2).to_rgb8());
     let half = one.len() / 2;
     let mixed = [&one[..half], &other[half..]].concat();
-    let picture = landmarkd::imaging::encode::png_rgb8(SIDE_PX, SIDE_PX, &mixed);
+    let picture = landmarkd_core::imaging::encode::png_rgb8(SIDE_PX, SIDE_PX, &mixed);
     let answer = app.recognise("home", "?explain=true&top=1000", picture.into()).await;
     let points = answer["points"].as_array().unwrap();
     assert_eq!(points.len() as u64, answer["points_used"].as_u64().unwrap());

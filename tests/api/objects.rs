@@ -2,8 +2,8 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
-use landmarkd::imaging::encode::{png_gray8, png_rgb8};
-use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
+use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
+use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, request, tar, with_bytes};

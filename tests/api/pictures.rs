@@ -3,8 +3,8 @@
 use bytes::Bytes;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use landmarkd::imaging::encode::{png_gray8, png_rgb8};
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
+use landmarkd_core::imaging::{Frame, Image};
 
 /// Side of a scene, in pixels.
 pub const SIDE_PX: usize = 56;

@@ -1,7 +1,7 @@
 //! Placements: where in a frame a known thing lies and how it is turned, several in one frame, and frames without any.
 
 use bytes::Bytes;
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::{Frame, Image};
 use serde_json::{Value, json};
 
 use crate::app::App;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use axum::body::Body;
 use axum::http::{Method, Request, header};
 use bytes::Bytes;
-use landmarkd::imaging::encode::png_gray8;
+use landmarkd_core::imaging::encode::png_gray8;
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, request, with_bytes, with_json};

@@ -2,8 +2,8 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
-use landmarkd::imaging::encode::png_gray8;
-use landmarkd::imaging::{DecodeLimits, decode, read_header};
+use landmarkd_core::imaging::encode::png_gray8;
+use landmarkd_core::imaging::{DecodeLimits, decode, read_header};
 use serde_json::{Value, json};
 
 use crate::app::{Answer, App, form, form_type, pointers, request, with_bytes};

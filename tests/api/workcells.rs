@@ -3,9 +3,9 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
-use landmarkd::depth::scene::{Relief, Rendered};
-use landmarkd::imaging::encode::{png_gray8, png_gray16};
-use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
+use landmarkd_core::depth::scene::{Relief, Rendered};
+use landmarkd_core::imaging::encode::{png_gray8, png_gray16};
+use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::{Value, json};
 
 use crate::app::{Answer, App, form, form_type, pointers, request, tar, with_bytes};

@@ -3,7 +3,7 @@
 //!
 //!   frame = (1 − mask) · ground + mask · object;  on one side of a random line another photograph;  + noise
 
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::{Frame, Image};
 
 use crate::random::Random;
 

@@ -5,7 +5,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
+use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::Value;
 
 /// The data folder; says so and is `None` when the variable isn't set.

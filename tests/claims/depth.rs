@@ -2,8 +2,8 @@
 //! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What the first run with them
 //! showed has changed two things since: when a window goes on widening, and the noise area of `stm`.
 
-use landmarkd::depth::scene::{Camera, Relief, Rendered, Scene, Texture, bench_optics};
-use landmarkd::depth::{Calibration, DepthMap, DepthOptions, Estimator, Method, Optics, Sweep, Warning};
+use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture, bench_optics};
+use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Estimator, Method, Optics, Sweep, Warning};
 
 const SEEDS: [u64; 3] = [201, 202, 203];
 const BORDER_PX: usize = 16;

@@ -2,8 +2,8 @@
 //! (three of each object), seed 7. Floors are the rates of the numpy reference on 240 such frames, less what
 //! chance explains on 60.
 
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::landmarks::{LandmarkOptions, Method, Taper, Viewpoint};
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Taper, Viewpoint};
 
 use crate::composites::{Condition, compose};
 use crate::data;

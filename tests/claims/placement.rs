@@ -2,7 +2,7 @@
 //! COIL-20 with the default options, rehearsed as a training job does, asked with 120 frames a condition (six of each
 //! object), seed 31; and with 60 photographs without any object.
 
-use landmarkd::recognition::landmarks::{LandmarkOptions, Landmarks, Method, Viewpoint, Warning};
+use landmarkd_core::recognition::landmarks::{LandmarkOptions, Landmarks, Method, Viewpoint, Warning};
 
 use crate::composites::{Condition, Truth, compose, compose_several, photograph};
 use crate::objects::{self, ON_BLACK, ON_PHOTOGRAPH, Objects};

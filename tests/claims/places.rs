@@ -1,7 +1,7 @@
 //! Paper A on places: one picture each of 20 places of the tower (the middle frame of its 20 longest clips),
 //! 256 × 256; asked with the frames 1 and 2 seconds before and after it, tilted and half covered, seed 7.
 
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::{Frame, Image};
 
 use crate::data;
 use crate::objects::options;

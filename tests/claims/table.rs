@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
-use landmarkd::depth::scene::bench_optics;
-use landmarkd::depth::{Calibration, DepthOptions, Estimator, FocalPair};
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::objects::{Canvas, ObjectOptions, Objects, View};
-use landmarkd::vision::segmentation::SegmentationOptions;
-use landmarkd::workcell::{
+use landmarkd_core::depth::scene::bench_optics;
+use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, FocalPair};
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::vision::segmentation::SegmentationOptions;
+use landmarkd_core::workcell::{
     Correspondence, Distance, Inspection, LocalCamera, Mapping, Part, Workcell, centring, inspect,
 };
 

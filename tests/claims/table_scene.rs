@@ -5,8 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use landmarkd::depth::Optics;
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::depth::Optics;
+use landmarkd_core::imaging::{Frame, Image};
 use rustfft::num_complex::Complex64;
 use rustfft::{FftDirection, FftPlanner};
 

@@ -1,7 +1,7 @@
 //! Training, asking, counting: the same for every claim.
 
-use landmarkd::imaging::Frame;
-use landmarkd::recognition::landmarks::{
+use landmarkd_core::imaging::Frame;
+use landmarkd_core::recognition::landmarks::{
     ExemplarName, LandmarkOptions, Landmarks, Reliability, describe, rehearsals,
 };
 

@@ -1,8 +1,8 @@
 //! Paper B §5 on COIL-20: 20 objects on a turntable, a picture every 5°, gray, 128 × 128. Trained on every second
 //! view (or fewer), asked with those in between. No seed: every view is used, except for the noise, seed 7.
 
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::objects::{
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::objects::{
     Canvas, Dimension, ObjectOptions, Objects, Recognition, Stages, TrainingReport, View,
 };
 

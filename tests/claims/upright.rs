@@ -2,8 +2,8 @@
 //! 320 × 240): trained on the first walk, asked with the second, frame by frame and along the walk; 20 places of the
 //! tower, one picture each, asked with the frames 1, 2 and 3 seconds away.
 
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::landmarks::{Belief, LandmarkOptions, Landmarks, Method, Motion, Viewpoint};
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::landmarks::{Belief, LandmarkOptions, Landmarks, Method, Motion, Viewpoint};
 
 use crate::composites::cubic;
 use crate::data::{self, Corridor};

@@ -2,8 +2,8 @@
 //! table, the light falling off by up to 45 %, a texture on every second; a photograph of coins in uneven light; and
 //! dark parts on a light ground. No seed: every scene is used.
 
-use landmarkd::imaging::Image;
-use landmarkd::vision::segmentation::{Polarity, SegmentationOptions, Threshold, segmented};
+use landmarkd_core::imaging::Image;
+use landmarkd_core::vision::segmentation::{Polarity, SegmentationOptions, Threshold, segmented};
 
 use crate::data;
 

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
-use landmarkd::imaging::{Frame, Image};
+use landmarkd_core::imaging::{Frame, Image};
 use reqwest::{Client, Method};
 use serde_json::{Value, json};
 use tempfile::TempDir;

@@ -12,7 +12,7 @@ use uuid::Uuid;
 
 use super::{ArtifactError, Tensor, le_bytes, optional, tensor};
 use crate::database::{Counts, LandmarkReport, Name};
-use crate::recognition::landmarks::{
+use landmarkd_core::recognition::landmarks::{
     Confidence, ContourPoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks,
 };
 

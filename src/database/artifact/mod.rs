@@ -261,8 +261,8 @@ fn optional<T, const N: usize>(
 mod tests {
     use super::*;
     use crate::database::LandmarkReport;
-    use crate::imaging::{Frame, Image};
-    use crate::recognition::landmarks::{
+    use landmarkd_core::imaging::{Frame, Image};
+    use landmarkd_core::recognition::landmarks::{
         ExemplarName, LandmarkOptions, Landmarks, Method, Rehearsed, Viewpoint, describe,
     };
     use proptest::prelude::*;

@@ -10,7 +10,7 @@ use uuid::Uuid;
 
 use super::{ArtifactError, Tensor, le_bytes, tensor};
 use crate::database::{Counts, Name, ObjectsReport};
-use crate::recognition::objects::{
+use landmarkd_core::recognition::objects::{
     Calibration, Eigenspace, Logistic, ObjectOptions, ObjectPart, ObjectParts, Objects, ViewName,
 };
 

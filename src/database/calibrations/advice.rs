@@ -53,8 +53,8 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::{Aperture, Calibration, NearSensor, Optics, OpticsSpec};
     use jiff::Timestamp;
+    use landmarkd_core::depth::{Aperture, Calibration, NearSensor, Optics, OpticsSpec};
 
     fn advice(aperture_mm: f64, telecentric: bool) -> String {
         let optics = Optics::new(&OpticsSpec {

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::database::options::words;
-use crate::depth::{
+use landmarkd_core::depth::{
     Aperture, Calibration, Fault, Filters, ImageSize, Method, NearSensor, Noise, Optics, OpticsSpec,
     Photometric, Registration, Residual, Table,
 };

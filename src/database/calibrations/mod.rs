@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub use document::UnreadableCalibration;
 
 use super::{DatabaseError, Databases, Name};
-use crate::depth::{Calibration, Optics};
 use crate::store::{Actor, CalibrationRow, CatalogueError};
+use landmarkd_core::depth::{Calibration, Optics};
 
 /// A calibration under its name.
 #[derive(Debug, Clone, PartialEq)]

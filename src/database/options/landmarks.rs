@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::words;
-use crate::recognition::landmarks::{
+use landmarkd_core::recognition::landmarks::{
     Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Taper, Viewpoint,
 };
 

@@ -6,9 +6,9 @@
 mod landmarks;
 mod objects;
 
-use crate::recognition::OptionFault;
-use crate::recognition::landmarks::LandmarkOptions;
-use crate::recognition::objects::ObjectOptions;
+use landmarkd_core::recognition::OptionFault;
+use landmarkd_core::recognition::landmarks::LandmarkOptions;
+use landmarkd_core::recognition::objects::ObjectOptions;
 
 use landmarks::LandmarkDocument;
 use objects::ObjectDocument;
@@ -128,8 +128,8 @@ pub(super) use words;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
-    use crate::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
+    use landmarkd_core::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
+    use landmarkd_core::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
 
     fn read(options: &Options) -> Options {
         Options::from_document(options.kind(), &options.to_document()).unwrap()

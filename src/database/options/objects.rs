@@ -4,7 +4,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::words;
-use crate::recognition::objects::{Dimension, Distance, ObjectOptions, Resize, Search, Stages};
+use landmarkd_core::recognition::objects::{Dimension, Distance, ObjectOptions, Resize, Search, Stages};
 
 words!(Resize, ResizeWord, { Fit, Never });
 words!(Stages, StagesWord, { UniversalThenObject, UniversalOnly });

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ReportTimings;
-use crate::recognition::landmarks::{Colour, Reliability, ReliabilityBin, TrainingReport};
+use landmarkd_core::recognition::landmarks::{Colour, Reliability, ReliabilityBin, TrainingReport};
 
 /// What a training told of itself. Fields that later releases add are optional here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::ReportTimings;
-use crate::recognition::objects as method;
-use crate::recognition::objects::TrainingReport;
+use landmarkd_core::recognition::objects as method;
+use landmarkd_core::recognition::objects::TrainingReport;
 
 /// See [`TrainingReport`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,9 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::WorkcellSetup;
 use crate::database::Name;
 use crate::database::options::words;
-use crate::vision::OptionFault;
-use crate::vision::segmentation::{Polarity, SegmentationOptions, Threshold};
-use crate::workcell::{self, Correspondence, LocalCamera, Mapping, MappingError, MappingKind, Workcell};
+use landmarkd_core::vision::OptionFault;
+use landmarkd_core::vision::segmentation::{Polarity, SegmentationOptions, Threshold};
+use landmarkd_core::workcell::{
+    self, Correspondence, LocalCamera, Mapping, MappingError, MappingKind, Workcell,
+};
 
 /// The kept document can't be read back.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,7 @@ pub use document::UnreadableWorkcell;
 
 use super::{DatabaseError, Databases, Kind, Name};
 use crate::store::{Actor, WorkcellRow};
-use crate::workcell::{Correspondence, Workcell};
+use landmarkd_core::workcell::{Correspondence, Workcell};
 
 /// What is said of a workcell.
 #[derive(Debug, Clone, PartialEq)]

@@ -48,7 +48,7 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imaging::npy::npy_f32;
+    use landmarkd_core::imaging::npy::npy_f32;
 
     #[test]
     fn what_the_service_writes_is_read_back() {

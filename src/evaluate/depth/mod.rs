@@ -17,14 +17,14 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::figures::ms_since;
-use crate::depth::{
+use landmarkd_core::depth::{
     Calibration, DepthMap, EstimateError, Estimator, EstimatorError, Fault, Flag, FocalPair, PairError, Stage,
 };
-use crate::imaging::encode::png_distances;
-use crate::imaging::false_colour::png_turbo;
-use crate::imaging::npy::npy_f32;
-use crate::imaging::ply::ply_points;
-use crate::imaging::{DecodeError, DecodeLimits, Frame, decode, read_header};
+use landmarkd_core::imaging::encode::png_distances;
+use landmarkd_core::imaging::false_colour::png_turbo;
+use landmarkd_core::imaging::npy::npy_f32;
+use landmarkd_core::imaging::ply::ply_points;
+use landmarkd_core::imaging::{DecodeError, DecodeLimits, Frame, decode, read_header};
 
 pub use array::Plane;
 pub use errors::{DepthErrors, DepthPair};
@@ -396,8 +396,8 @@ mod tests {
     use clap::{Command, FromArgMatches};
 
     use super::*;
-    use crate::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-    use crate::imaging::encode::{png_gray8, png_gray16};
+    use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
+    use landmarkd_core::imaging::encode::{png_gray8, png_gray16};
 
     const OPTICS: &str = r#"{"focal_length_mm": 35, "f_number": 8, "near_focus_mm": 500, "plane_separation_mm": 0.4,
         "pixel_pitch_um": 10, "telecentric": true}"#;

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::DepthEvaluationError;
-use crate::depth::{Aperture, DepthOptions, Median, Method, NearSensor, Optics, OpticsSpec, Window};
+use landmarkd_core::depth::{Aperture, DepthOptions, Median, Method, NearSensor, Optics, OpticsSpec, Window};
 
 /// An optics in a file, with the names of the HTTP contract.
 #[derive(Deserialize)]

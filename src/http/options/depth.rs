@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::{AutoWord, readable, words};
-use crate::depth::{self, DepthOptions, Median, Window};
 use crate::http::problem::FieldError;
+use landmarkd_core::depth::{self, DepthOptions, Median, Window};
 
 words!(
     /// What depth is read from: `gram`, the depth that explains both pictures best; `stm`, a closed form, the
@@ -96,7 +96,7 @@ impl DepthOptionsBody {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::Method;
+    use landmarkd_core::depth::Method;
     use serde_json::json;
 
     fn read(body: Value) -> (DepthOptions, Vec<FieldError>) {

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::{fields, given, judge, readable, words};
 use crate::http::problem::Problem;
-use crate::recognition::landmarks::{self, LandmarkOptions, Method, Viewpoint};
+use landmarkd_core::recognition::landmarks::{self, LandmarkOptions, Method, Viewpoint};
 
 words!(
     /// How matches become an answer: by agreeing on where an exemplar lies and how it is turned (`placement`), or by

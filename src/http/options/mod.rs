@@ -21,7 +21,7 @@ pub use segmentation::SegmentationOptionsBody;
 use super::extract::from_value;
 use super::problem::{FieldError, Problem};
 use crate::database::Options;
-use crate::recognition::OptionFault;
+use landmarkd_core::recognition::OptionFault;
 
 /// Options of a database, by its kind.
 #[derive(Debug, Clone, Serialize)]

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::{AutoWord, fields, given, judge, readable, words};
 use crate::http::problem::Problem;
-use crate::recognition::objects::{self, Dimension, ObjectOptions};
+use landmarkd_core::recognition::objects::{self, Dimension, ObjectOptions};
 
 words!(
     /// What becomes of a picture of another size: it is scaled to fit, centred on black, and the answer or report says

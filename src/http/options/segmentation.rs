@@ -6,7 +6,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::{fields, readable, words};
 use crate::http::problem::FieldError;
-use crate::vision::segmentation::{self, SegmentationOptions, Threshold};
+use landmarkd_core::vision::segmentation::{self, SegmentationOptions, Threshold};
 
 words!(
     /// What objects look like.
@@ -127,7 +127,7 @@ impl From<&SegmentationOptions> for SegmentationOptionsBody {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vision::segmentation::Polarity;
+    use landmarkd_core::vision::segmentation::Polarity;
     use serde_json::json;
 
     fn read(body: Value) -> (SegmentationOptions, Vec<FieldError>) {

@@ -7,8 +7,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted, ms};
-use crate::imaging::Frame;
-use crate::recognition::landmarks::{Instance, Landmarks, Placed, PointVote, Stage, annotate};
+use landmarkd_core::imaging::Frame;
+use landmarkd_core::recognition::landmarks::{Instance, Landmarks, Placed, PointVote, Stage, annotate};
 
 /// What speaks for the answer of a landmark database.
 #[derive(Debug, Serialize, ToSchema)]

@@ -24,8 +24,8 @@ use super::uploads::{Form, HeaderEcho, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{FrameHeader, LoadedVersion, Model, Name};
-use crate::imaging::{self, DecodeLimits};
 use crate::telemetry::Work;
+use landmarkd_core::imaging::{self, DecodeLimits};
 
 use landmarks::{LandmarkEvidence, LandmarkStages};
 use objects::{ObjectEvidence, ObjectStages};

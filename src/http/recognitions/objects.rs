@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, StagesBody, Wanted, ms};
 use crate::http::problem::Problem;
-use crate::imaging::Frame;
-use crate::imaging::encode::png_gray8;
-use crate::recognition::objects::{Candidate, Decision, Objects, Pose, Stage, annotate};
+use landmarkd_core::imaging::Frame;
+use landmarkd_core::imaging::encode::png_gray8;
+use landmarkd_core::recognition::objects::{Candidate, Decision, Objects, Pose, Stage, annotate};
 
 /// What speaks for the answer of an object database.
 #[derive(Debug, Serialize, ToSchema)]

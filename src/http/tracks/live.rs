@@ -17,7 +17,7 @@ use super::super::problem::{Code, Problem};
 use super::MotionWord;
 use crate::config::Limits;
 use crate::database::{FrameHeader, Name};
-use crate::recognition::landmarks::{Belief, ExemplarName};
+use landmarkd_core::recognition::landmarks::{Belief, ExemplarName};
 
 /// Frames of one track that may wait for those before them: a second's worth of a slow camera. A robot that sends faster
 /// than it is answered must drop frames, not pile them up.

@@ -25,7 +25,7 @@ use super::problem::{Code, Problem};
 use super::recognitions::{DecisionBody, RecognitionBody, Wanted, render};
 use super::uploads::{OnePicture, RobotHeader};
 use crate::database::{CURRENT, LoadedVersion, Model, Name};
-use crate::recognition::landmarks::{Belief, Landmarks, Motion, Viewpoint};
+use landmarkd_core::recognition::landmarks::{Belief, Landmarks, Motion, Viewpoint};
 
 /// The track that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]

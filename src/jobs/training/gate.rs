@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{Worker, landmarks, rounds_of};
 use crate::database::{DatabaseError, ExemplarRow, JobRow, LoadedVersion, Model, Name};
-use crate::imaging::Frame;
 use crate::jobs::runner::Stop;
-use crate::recognition::Comparison;
-use crate::recognition::landmarks::rehearsals;
-use crate::recognition::objects::{ViewName, rehearsal};
+use landmarkd_core::imaging::Frame;
+use landmarkd_core::recognition::Comparison;
+use landmarkd_core::recognition::landmarks::rehearsals;
+use landmarkd_core::recognition::objects::{ViewName, rehearsal};
 
 /// A comparison of landmarks takes so many times the rounds of a calibration: small differences want many trials.
 const ROUNDS_FACTOR: u64 = 2;

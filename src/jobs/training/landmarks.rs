@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Trained, Worker, rounds_of};
 use crate::database::{Counts, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report, ReportTimings};
 use crate::jobs::runner::Stop;
-use crate::recognition::landmarks::{
+use landmarkd_core::recognition::landmarks::{
     ExemplarName, LandmarkOptions, Landmarks, Rehearsed, describe, rehearsals,
 };
 

@@ -23,9 +23,9 @@ use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, LoadedVersion,
     Model, Options, Report, ReportTimings, inputs_digest,
 };
-use crate::imaging::{self, DecodeLimits, Frame};
 use crate::store::CatalogueError;
 pub use gate::VersionComparison;
+use landmarkd_core::imaging::{self, DecodeLimits, Frame};
 pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.

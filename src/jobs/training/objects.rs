@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Trained, Worker};
 use crate::database::{Counts, ExemplarRow, Model, ObjectsReport, Report, ReportTimings};
 use crate::jobs::runner::Stop;
-use crate::recognition::objects::{
+use landmarkd_core::recognition::objects::{
     Canvas, MAX_SIDE_PX, ObjectOptions, Objects, Resize, TrainingError, View, common_size,
 };
 

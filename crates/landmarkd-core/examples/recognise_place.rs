@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use anyhow::{Context, bail};
-use landmarkd::imaging::{DecodeLimits, Frame, decode};
-use landmarkd::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe, rehearsals};
+use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
+use landmarkd_core::recognition::landmarks::{
+    ExemplarName, LandmarkOptions, Landmarks, describe, rehearsals,
+};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();

@@ -4,11 +4,11 @@
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::landmarks::{
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::landmarks::{
     ExemplarName, LandmarkOptions, Landmarks, Method, Stage, Viewpoint, describe,
 };
-use landmarkd::vision::symmetry_map;
+use landmarkd_core::vision::symmetry_map;
 
 /// A scene of overlapping discs and bars, another for each seed.
 fn scene(seed: u64, width: usize, height: usize) -> Frame {

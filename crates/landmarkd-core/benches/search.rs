@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use landmarkd::eigen::{EigenpointIndex, Vicinity, Way};
+use landmarkd_core::eigen::{EigenpointIndex, Vicinity, Way};
 
 const QUERIES: usize = 64;
 

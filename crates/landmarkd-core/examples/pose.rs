@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use anyhow::{Context, bail};
-use landmarkd::imaging::{DecodeLimits, Frame, decode};
-use landmarkd::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
+use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();

@@ -4,9 +4,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::depth::scene::{Camera, Relief, Scene, Texture, bench_optics};
-use landmarkd::depth::{Calibration, DepthOptions, Estimator, Method, Stage, Window};
-use landmarkd::imaging::{DecodeLimits, decode};
+use landmarkd_core::depth::scene::{Camera, Relief, Scene, Texture, bench_optics};
+use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, Method, Stage, Window};
+use landmarkd_core::imaging::{DecodeLimits, decode};
 
 fn depth(criterion: &mut Criterion) {
     let optics = bench_optics(8.0, true);

@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use anyhow::{Context, anyhow, bail};
-use landmarkd::depth::{
+use landmarkd_core::depth::{
     Aperture, Calibration, DepthOptions, Estimator, FocalPair, NearSensor, Optics, OpticsSpec,
 };
-use landmarkd::imaging::npy::npy_f32;
-use landmarkd::imaging::{DecodeLimits, Frame, decode};
+use landmarkd_core::imaging::npy::npy_f32;
+use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();

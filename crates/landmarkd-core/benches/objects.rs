@@ -5,9 +5,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::imaging::encode::png_gray8;
-use landmarkd::imaging::{DecodeLimits, Frame, Image, decode};
-use landmarkd::recognition::objects::{Canvas, ObjectOptions, Objects, Stage, View};
+use landmarkd_core::imaging::encode::png_gray8;
+use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
+use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, Stage, View};
 
 const SIDE_PX: usize = 128;
 

@@ -2,8 +2,8 @@
 //! the formula has it, pair by pair with angles, to see what the products save.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::imaging::Image;
-use landmarkd::vision::{gradient, harris, interest_points, smoothed, symmetry_map};
+use landmarkd_core::imaging::Image;
+use landmarkd_core::vision::{gradient, harris, interest_points, smoothed, symmetry_map};
 
 /// Overlapping discs of different greys: edges everywhere, at all angles.
 fn picture(width: usize, height: usize) -> Image {

@@ -4,8 +4,8 @@ use std::f32::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::imaging::Image;
-use landmarkd::vision::{Normalise, PolarGrid, SignaturePlan, Taper};
+use landmarkd_core::imaging::Image;
+use landmarkd_core::vision::{Normalise, PolarGrid, SignaturePlan, Taper};
 
 const RINGS: usize = 8;
 const SECTORS: usize = 32;

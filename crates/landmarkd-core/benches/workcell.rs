@@ -5,11 +5,11 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use landmarkd::imaging::{Frame, Image};
-use landmarkd::recognition::objects::{Canvas, ObjectOptions, Objects, View};
-use landmarkd::vision::segmentation::{SegmentationOptions, Threshold, segmented};
-use landmarkd::vision::smoothing::smoothed;
-use landmarkd::workcell::{Correspondence, Mapping, Stage, Workcell, inspect};
+use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::vision::segmentation::{SegmentationOptions, Threshold, segmented};
+use landmarkd_core::vision::smoothing::smoothed;
+use landmarkd_core::workcell::{Correspondence, Mapping, Stage, Workcell, inspect};
 
 const SIDE_PX: usize = 128;
 /// Where the parts lie, and how they are turned.

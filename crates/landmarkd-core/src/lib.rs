@@ -1,0 +1,12 @@
+//! The mathematics of landmarkd: which place or object a picture shows, how it is turned, how far away it is.
+//!
+//! Values in, values out: no async, no I/O, no clock, no log. [`imaging`] turns bytes into a [`imaging::Frame`]; [`vision`]
+//! describes it; [`eigen`] is the linear algebra; [`recognition`] names places and objects; [`depth`] measures distances
+//! from a focal pair; [`workcell`] maps what was found to the robot. `ARCHITECTURE.md` of the service walks through them.
+
+pub mod depth;
+pub mod eigen;
+pub mod imaging;
+pub mod recognition;
+pub mod vision;
+pub mod workcell;
