@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""The service's OpenAPI document as generators of clients take it.
+"""Rewrite the service's OpenAPI document so that generators of clients read it right.
 
     clients/document.py FROM TO
 
-Says the same as the document in other words where a generator needs them. Each mend tells how often it was needed; one
-that is needed no longer, because the service's own document says it so, may go.
+The contract stays the same. Each rewriting prints how often it applied; one that applies no longer may be deleted.
 """
 
 import json
@@ -20,7 +19,7 @@ def one_type_of_body(document: Schema) -> int:
 
     Generators choose badly between several types of body, or send the form without its boundary.
     """
-    mended = 0
+    count = 0
     for item in document["paths"].values():
         for operation in item.values():
             content = operation.get("requestBody", {}).get("content", {})
@@ -28,15 +27,15 @@ def one_type_of_body(document: Schema) -> int:
             if len(content) > 1 and raw in content:
                 name = "application/octet-stream" if raw == "image/png" else raw
                 operation["requestBody"]["content"] = {name: content[raw]}
-                mended += 1
-    return mended
+                count += 1
+    return count
 
 
 def one_type_one_name(document: Schema) -> int:
     """The items of a list are referred to where they stand spelt out, so that `list` and `get` give one type."""
     schemas = document["components"]["schemas"]
     names = {json.dumps(schema, sort_keys=True): name for name, schema in schemas.items()}
-    mended = 0
+    count = 0
     for name, schema in schemas.items():
         if not name.startswith("Page_"):
             continue
@@ -44,14 +43,14 @@ def one_type_one_name(document: Schema) -> int:
         known = names.get(json.dumps(items["items"], sort_keys=True))
         if known is not None:
             items["items"] = {"$ref": f"#/components/schemas/{known}"}
-            mended += 1
-    return mended
+            count += 1
+    return count
 
 
 def choices_outside(document: Schema) -> int:
     """An `allOf` over a `oneOf` becomes a `oneOf`: generators can't merge fields with a choice of fields."""
     schemas = document["components"]["schemas"]
-    mended = 0
+    count = 0
     # One may be made of another: until nothing changes.
     for _ in range(len(schemas)):
         changed = False
@@ -74,12 +73,12 @@ def choices_outside(document: Schema) -> int:
                     alternatives.append({"$ref": f"#/components/schemas/{merged}"})
                 del schema["allOf"]
                 schema["oneOf"] = alternatives
-                mended += 1
+                count += 1
                 changed = True
                 break
         if not changed:
             break
-    return mended
+    return count
 
 
 def kind_of(reference: str) -> str:
@@ -102,9 +101,9 @@ def with_kind(schema: Schema, kind: str, schemas: Schema) -> Schema:
     return {**schema, "properties": properties}
 
 
-def robots_say_who_they_are(document: Schema) -> int:
+def robot_headers(document: Schema) -> int:
     """`X-Robot-Id`, `X-Frame-Id` and `X-Stamp` go with every call that takes a picture."""
-    mended = 0
+    count = 0
     for path, item in document["paths"].items():
         operation = item.get("post", {})
         takes = operation.get("requestBody", {}).get("content", {})
@@ -116,8 +115,8 @@ def robots_say_who_they_are(document: Schema) -> int:
         for name, what in ROBOT_HEADERS.items():
             parameters.append({"name": name, "in": "header", "description": what, "schema": {"type": "string"}})
         operation["parameters"] = parameters
-        mended += 1
-    return mended
+        count += 1
+    return count
 
 
 ROBOT_HEADERS = {
@@ -125,8 +124,8 @@ ROBOT_HEADERS = {
     "X-Frame-Id": "The robot's name for the frame; comes back in `header`.",
     "X-Stamp": "When it was taken, RFC 3339 or `sec.nanosec`; comes back in `header`.",
 }
-MENDS = (
-    robots_say_who_they_are,
+REWRITINGS = (
+    robot_headers,
     one_type_of_body,
     one_type_one_name,
     choices_outside,
@@ -134,11 +133,11 @@ MENDS = (
 
 
 def main() -> None:
-    """Read, mend, write."""
+    """Read, rewrite, write."""
     source, target = map(Path, sys.argv[1:])
     document = json.loads(source.read_text(encoding="utf-8"))
-    for mend in MENDS:
-        print(f"{mend.__name__}: {mend(document)}", file=sys.stderr)
+    for rewrite in REWRITINGS:
+        print(f"{rewrite.__name__}: {rewrite(document)}", file=sys.stderr)
     target.write_text(json.dumps(document, indent=1, ensure_ascii=False), encoding="utf-8")
 
 

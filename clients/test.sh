@@ -14,11 +14,12 @@ mkdir -p "$2"
 venv="$(realpath "$2")"
 export LANDMARKD_BINARY="$binary" PYTHONDONTWRITEBYTECODE=1
 
-# A copy, so that nothing is built or written in the tree; the generated code is held against the document in it.
+# A copy, so that nothing is built or written in the tree.
 work="$(mktemp --directory)"
 trap 'rm -rf "$work"' EXIT
 cp -r "$clients" "$work/clients"
-rm -rf "$work/clients/typescript/node_modules"
+rm -rf "$work/clients/typescript/node_modules" "$work/clients/typescript/landmarkd.d.ts"
+rm -rf "$work/clients/python/build" "$work/clients/python/landmarkd/_generated"
 export LANDMARKD_DOCUMENT="${LANDMARKD_DOCUMENT:-$clients/../openapi/landmarkd.json}"
 [[ -f "$LANDMARKD_DOCUMENT" ]] || { echo "the service's document isn't at $LANDMARKD_DOCUMENT" >&2; exit 1; }
 cd "$work/clients"
@@ -26,27 +27,28 @@ cd "$work/clients"
 wants="$(cat python/pyproject.toml ros2/landmarkd_ros/setup.py | sha256sum)"
 if [[ "$(cat "$venv/.wants" 2>/dev/null)" != "$wants" ]]; then
     python3 -m venv --clear "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check "./python[test,generate,lint]"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check "./python[test,lint]"
     echo "$wants" >"$venv/.wants"
 fi
 # The package as it is installed, not as it lies here.
 "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+rm -rf python/build
 mv python/landmarkd "$work/source"
-mkdir python/landmarkd
-mv "$work/source/_generated" python/landmarkd/_generated
 
 failed=0
 (cd python && "$venv/bin/python" -m pytest -p no:cacheprovider tests) || failed=1
 (cd ros2/landmarkd_ros && "$venv/bin/python" -m pytest -p no:cacheprovider test) || failed=1
 
-rm -rf python/build python/landmarkd && cp -r "$clients/python/landmarkd" python/landmarkd
+# Lints and types of the sources, beside the generated part.
+mv "$work/source" python/landmarkd
+installed="$("$venv/bin/python" -c 'import landmarkd; print(landmarkd.__path__[0])')"
+cp -r "$installed/_generated" python/landmarkd/_generated
 "$venv/bin/ruff" check --no-cache python document.py ros2 || failed=1
 "$venv/bin/ruff" format --no-cache --check python document.py ros2 || failed=1
 (cd python && "$venv/bin/mypy" --cache-dir "$venv/.mypy") || failed=1
 
 if command -v npm >/dev/null; then
-    (cd typescript && npm ci --no-progress --loglevel error && npm run --silent check && echo "typescript: current, compiles") ||
-        failed=1
+    (cd typescript && npm ci --no-progress --loglevel error && npm run --silent check && echo "typescript: compiles") || failed=1
 else
     echo "typescript: npm isn't here, so its types were NOT checked"
 fi

@@ -1,4 +1,4 @@
-"""Fields that an answer doesn't have: the generated code says `UNSET`, everything else here `None`."""
+"""Absent fields: `UNSET` in the generated code, `None` everywhere else."""
 
 from __future__ import annotations
 
@@ -15,5 +15,5 @@ def given(value: T | Unset | None) -> T | None:
 
 
 def wanted(value: T | None) -> T | Unset:
-    """The value for a call, which is silent about what is `None`."""
+    """The value for a call; `None` isn't sent."""
     return UNSET if value is None else value

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Artifact:
-    """A version's file: it recognises, here or at another service."""
+    """A version's file, with which any service recognises."""
 
     database: str
     version: int
     etag: str
-    """Entity tag of the file, with its quotes: another call with it asks whether there is another file."""
+    """Entity tag of the file, with its quotes, for `Client.artifact(etag=…)`."""
     content: bytes

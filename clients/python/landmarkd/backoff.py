@@ -1,4 +1,4 @@
-"""When to ask again after a failure: later each time, at a time nobody else has chosen too."""
+"""When to retry: exponential backoff with full jitter."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from collections.abc import Callable
 
 
 class Backoff:
-    """Waits that double from failure to failure, each drawn evenly from nothing to its bound ("full jitter").
+    """Waits whose bound doubles from failure to failure, each drawn uniformly from 0 to its bound ("full jitter").
 
-    A service that says when to come back (`Retry-After`) is never asked before; the draw comes on top, so that a
-    thousand robots that were refused together don't come back together.
+    `Retry-After` is a lower bound, to which the draw is added, so that a thousand robots that were refused together
+    don't retry together.
 
     Args:
         first_s: bound of the first wait, in seconds.
         most_s: largest bound of a wait, in seconds.
         now: the clock, in seconds.
-        draw: an even draw from [0, 1).
+        draw: a uniform draw from [0, 1).
 
     """
 
@@ -38,7 +38,7 @@ class Backoff:
 
     def failed(self, retry_after_s: float | None = None) -> float:
         """Note a failure; the seconds until the next attempt is due."""
-        # No power of two is taken that wouldn't fit.
+        # Bounded, so that the power of two doesn't overflow.
         bound_s = min(self.most_s, self.first_s * 2.0 ** min(self.failures, 30))
         self.failures += 1
         wait_s = (retry_after_s or 0.0) + self._draw() * bound_s

@@ -68,7 +68,7 @@ from .track import Track, TrackedFrame
 T = TypeVar("T")
 
 MOST_STREAMS = 20
-"""How often the events of one job are asked for again after a stream broke off."""
+"""How often the events of one job are requested again after a stream broke off."""
 
 
 class Client:
@@ -125,7 +125,7 @@ class Client:
 
     def info(self) -> Info:
         """What the service is and takes."""
-        return self._told(Info, lambda: info.sync(client=self.generated))
+        return self._typed(Info, lambda: info.sync(client=self.generated))
 
     # Databases
 
@@ -137,11 +137,11 @@ class Client:
     ) -> DatabaseBody:
         """Create a database. For one that is there: replaces its options if some are given."""
         body = NewDatabase(kind, Options.of(options))
-        return self._told(DatabaseBody, lambda: put_database.sync(database, client=self.generated, body=body))
+        return self._typed(DatabaseBody, lambda: put_database.sync(database, client=self.generated, body=body))
 
     def database(self, database: str) -> DatabaseDetail:
         """A database with what it holds."""
-        return self._told(DatabaseDetail, lambda: get_database.sync(database, client=self.generated))
+        return self._typed(DatabaseDetail, lambda: get_database.sync(database, client=self.generated))
 
     def teach(
         self,
@@ -158,7 +158,7 @@ class Client:
         The same again is the same exemplar. It is learnt by the next training.
         """
         image = upload(picture)
-        return self._told(
+        return self._typed(
             ExemplarBody,
             lambda: add_exemplar.sync(
                 database,
@@ -193,7 +193,7 @@ class Client:
 
         """
         body = NewTraining(Options.of(options), promote)
-        begun = self._told(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
+        begun = self._typed(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
         return self.follow(str(begun.id), on_progress) if wait else Job.of(begun)
 
     def follow(self, job: str, on_progress: Callable[[Job], None] | None = None) -> Job:
@@ -210,18 +210,18 @@ class Client:
             timeout = httpx.Timeout(10, read=60)
             try:
                 with self._http.stream("GET", f"/v1/jobs/{job}/events", headers=headers, timeout=timeout) as stream:
-                    for event, told in events(stream.iter_lines()):
-                        last = event
+                    for event_id, data in events(stream.iter_lines()):
+                        last = event_id
                         backoff.succeeded()
-                        state = Job.of(JobBody.from_dict(told))
+                        state = Job.of(JobBody.from_dict(data))
                         if on_progress is not None:
                             on_progress(state)
                         if state.ended:
                             return succeeded(state)
             except httpx.TransportError:
-                # Is it still there? If not, this says so.
+                # The next call says whether the service is away.
                 pass
-            body = self._told(JobBody, lambda: get_job.sync(UUID(job), client=self.generated))
+            body = self._typed(JobBody, lambda: get_job.sync(UUID(job), client=self.generated))
             state = Job.of(body)
             if state.ended:
                 return succeeded(state)
@@ -231,25 +231,25 @@ class Client:
     def version(self, database: str, version: int | str = "current") -> VersionBody:
         """A version by its number or by the name of an alias, with the report of its training."""
         number = self.number(database, version)
-        return self._told(VersionBody, lambda: get_version.sync(database, number, client=self.generated))
+        return self._typed(VersionBody, lambda: get_version.sync(database, number, client=self.generated))
 
     def number(self, database: str, version: int | str = "current") -> int:
         """The number of a version: of the one that an alias points to, if it is a name."""
         if isinstance(version, int):
             return version
         name = version
-        return self._told(AliasBody, lambda: get_alias.sync(database, name, client=self.generated)).version
+        return self._typed(AliasBody, lambda: get_alias.sync(database, name, client=self.generated)).version
 
     def point(self, database: str, version: int, alias: str = "current") -> AliasBody:
         """Point an alias to a version. Rolling back is pointing `current` to an older one."""
-        return self._told(
+        return self._typed(
             AliasBody, lambda: put_alias.sync(database, alias, client=self.generated, body=NewAlias(version=version))
         )
 
     def artifact(self, database: str, version: int | str = "current", *, etag: str | None = None) -> Artifact | None:
         """A version as one file, by its number or by an alias; `None` if its entity tag is still `etag`."""
         number = self.number(database, version)
-        answer = self._asked(
+        answer = self._send(
             lambda: self._http.get(
                 f"/v1/databases/{database}/versions/{number}/artifact",
                 headers={"If-None-Match": etag} if etag else {},
@@ -261,7 +261,7 @@ class Client:
 
     def take_in(self, database: str, artifact: bytes) -> VersionBody:
         """Make a version of an artifact file. The same again is the same version; no alias moves."""
-        return self._told(
+        return self._typed(
             VersionBody,
             lambda: import_version.sync(database, client=self.generated, body=File(io.BytesIO(artifact))),
         )
@@ -294,7 +294,7 @@ class Client:
 
         """
         image = upload(picture)
-        answer = self._asked(
+        answer = self._send(
             lambda: recognise.sync(
                 database,
                 client=self.generated,
@@ -315,11 +315,11 @@ class Client:
     ) -> Track:
         """Begin a track: the frames of a robot's way add up. `path` if exemplars were posted in the way's order."""
         body = NewTrack(motion=motion, alias=wanted(alias))
-        begun = self._told(TrackBody, lambda: begin_track.sync(database, client=self.generated, body=body))
+        begun = self._typed(TrackBody, lambda: begin_track.sync(database, client=self.generated, body=body))
 
         def add(picture: Picture, *, top: int, explain: bool, frame_id: str | None, stamp: str | None) -> TrackedFrame:
             image = upload(picture)
-            answer = self._asked(
+            answer = self._send(
                 lambda: add_frame.sync(
                     database,
                     begun.id,
@@ -335,7 +335,7 @@ class Client:
             return TrackedFrame.of_track(answer)
 
         def end() -> None:
-            self._asked(lambda: end_track.sync_detailed(database, begun.id, client=self.generated))
+            self._send(lambda: end_track.sync_detailed(database, begun.id, client=self.generated))
 
         return Track(str(begun.id), begun.motion, begun.warnings, add, end)
 
@@ -365,7 +365,7 @@ class Client:
         robot = {"X-Robot-Id": self.robot_id, "X-Frame-Id": frame_id, "X-Stamp": stamp}
         headers = {"Accept": "application/x-npy"} | {name: value for name, value in robot.items() if value is not None}
         return DepthMap.of(
-            self._asked(
+            self._send(
                 lambda: self._http.post(
                     "/v1/depth-maps", params={"planes": ",".join(PLANES)}, files=parts, headers=headers
                 )
@@ -395,7 +395,7 @@ class Client:
             form.near = upload(near)
         if far is not None:
             form.far = upload(far)
-        return self._told(
+        return self._typed(
             InspectionBody,
             lambda: inspect.sync(
                 workcell,
@@ -412,33 +412,33 @@ class Client:
     # How calls are made
 
     def _header(self, frame_id: str | None, stamp: str | None) -> dict[str, Any]:
-        """What goes with a picture."""
+        """The headers that go with a picture."""
         return {"x_robot_id": wanted(self.robot_id), "x_frame_id": wanted(frame_id), "x_stamp": wanted(stamp)}
 
-    def _asked(self, ask: Callable[[], T]) -> T:
+    def _send(self, ask: Callable[[], T]) -> T:
         """The answer to a call."""
         try:
             return ask()
         except httpx.TransportError as error:
             raise Unreachable(f"{self.url} doesn't answer: {error or type(error).__name__}") from error
 
-    def _told(self, kind: type[T], ask: Callable[[], object]) -> T:
-        """The answer to a call that can only be of one kind."""
-        answer = self._asked(ask)
+    def _typed(self, kind: type[T], ask: Callable[[], object]) -> T:
+        """The answer to a call that has one type of answer."""
+        answer = self._send(ask)
         if not isinstance(answer, kind):
             raise unexpected(answer)
         return answer
 
 
 def refuse(response: httpx.Response) -> None:
-    """Raise the problem that an answer tells, if it does."""
+    """Raise the problem of an answer, if it is one."""
     if response.is_error:
         response.read()
         raise Problem.of(response)
 
 
 def unexpected(answer: object) -> Problem:
-    """What an answer is that the document doesn't know."""
+    """The problem for an answer that the document doesn't have."""
     return Problem(200, "", title="unexpected answer", detail=f"the service answered {type(answer).__name__}")
 
 

@@ -31,7 +31,7 @@ class DepthMap:
     depth_mm: npt.NDArray[np.float32]
     """Distance; NaN where there is none to be trusted."""
     sigma_mm: npt.NDArray[np.float32]
-    """Its expected standard deviation; NaN where none can be told."""
+    """Its expected standard deviation; NaN where it is unknown."""
     flags: npt.NDArray[np.uint8]
     """Why a pixel has no depth, bits of `DepthFlag`; 0 where it has one."""
     near_focus_mm: float
@@ -41,7 +41,7 @@ class DepthMap:
     coverage: float
     """Part of the pixels that have a depth."""
     warnings: list[str]
-    """Reasons to doubt the whole."""
+    """Warnings about the whole map."""
 
     @classmethod
     def of(cls, response: httpx.Response) -> DepthMap:
@@ -62,10 +62,10 @@ class DepthMap:
     def summary(self) -> dict[str, float | int | None]:
         """Least, middle and largest distance in mm, coverage, and the number of pixels with each flag."""
         known = self.depth_mm[np.isfinite(self.depth_mm)]
-        told: dict[str, float | int | None] = {
+        distances: dict[str, float | int | None] = {
             "min_mm": float(known.min()) if known.size else None,
             "median_mm": float(np.median(known)) if known.size else None,
             "max_mm": float(known.max()) if known.size else None,
             "coverage": self.coverage,
         }
-        return told | {str(flag.name).lower(): int(np.count_nonzero(self.flags & flag)) for flag in DepthFlag}
+        return distances | {str(flag.name).lower(): int(np.count_nonzero(self.flags & flag)) for flag in DepthFlag}

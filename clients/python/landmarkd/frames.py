@@ -1,4 +1,4 @@
-"""Frames of a robot's camera, and the place where the newest waits until it is asked about."""
+"""Frames of a robot's camera, and a slot for the newest."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUFFIXES = {".jpg", ".jpeg", ".png", ".pgm", ".ppm", ".pnm"}
 
 @dataclass(frozen=True)
 class Frame:
-    """A picture, by which name, and when it was taken (`sec.nanosec` since 1970, UTC)."""
+    """A picture, its name, and when it was taken (`sec.nanosec` since 1970, UTC)."""
 
     id: str
     picture: Picture
@@ -81,27 +81,27 @@ def camera(number: int, stop: threading.Event) -> Iterator[Frame]:
     """What a camera of this machine sees; needs OpenCV (`pip install 'landmarkd[camera]'`)."""
     import cv2
 
-    eye = cv2.VideoCapture(number)
-    if not eye.isOpened():
+    capture = cv2.VideoCapture(number)
+    if not capture.isOpened():
         raise OSError(f"camera {number} can't be opened")
     try:
         for count in itertools.count(1):
             if stop.is_set():
                 return
-            seen, picture = eye.read()
-            if not seen:
+            ok, picture = capture.read()
+            if not ok:
                 raise OSError(f"camera {number} gives no more frames")
             # OpenCV has blue first.
             yield Frame(str(count), picture[:, :, ::-1], stamp(time.time()))
     finally:
-        eye.release()
+        capture.release()
 
 
 class Newest(Generic[T]):
-    """A place for one thing. A newer one takes it: a robot that was kept waiting asks about now, not about then.
+    """A slot for one item, which a newer one replaces: a robot that had to wait sends its newest frame.
 
     Args:
-        source: what is put there, by a thread of its own, until that ends or `close` is called. `None`: others do.
+        source: items that a thread of its own puts there, until they end or `close` is called. `None`: callers do.
 
     """
 
@@ -121,7 +121,7 @@ class Newest(Generic[T]):
                 if not self.put(each):
                     return
         except Exception as fault:
-            # Told to whoever takes the next.
+            # `take` raises it.
             self._fault = fault
         self.close()
 

@@ -1,4 +1,4 @@
-"""Long work: its state, and the events that tell it."""
+"""Jobs: their state, and the stream of their events."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ ENDED = ("succeeded", "failed", "cancelled")
 
 @dataclass(frozen=True)
 class Job:
-    """A piece of long work, as it stands."""
+    """The state of a job."""
 
     id: str
     state: str
     """`queued`, `running`, `succeeded`, `failed` or `cancelled`."""
     stage: str = ""
-    """What is being done; empty before anything is."""
+    """The stage it is in; empty before the first."""
     done: int = 0
     """Steps of the stage that are done."""
     total: int = 0
@@ -31,7 +31,7 @@ class Job:
     version: int | None = None
     """The version that it made or found."""
     comparison: ComparisonBody | None = None
-    """How that did beside the one in use, with `promote="if_not_worse"`."""
+    """Its comparison with the version in use, with `promote="if_not_worse"`."""
     problem: Problem | None = None
     """Why it failed."""
 
@@ -44,7 +44,7 @@ class Job:
     def of(cls, body: JobBody) -> Job:
         """From the service's answer."""
         progress = given(body.progress)
-        told = given(body.problem)
+        failure = given(body.problem)
         return cls(
             id=str(body.id),
             state=body.state,
@@ -53,7 +53,7 @@ class Job:
             total=progress.total if progress else 0,
             version=given(body.version),
             comparison=given(body.comparison),
-            problem=problem(told) if told else None,
+            problem=problem(failure) if failure else None,
         )
 
 

@@ -15,7 +15,7 @@ NOTE = "version.json"
 
 @dataclass(frozen=True)
 class Note:
-    """What is kept: which version of which database at which service, and how it decides."""
+    """What is kept: the version, its database and service, and its observation model."""
 
     service: str
     database: str
@@ -30,7 +30,9 @@ class Note:
 
 
 class KeptVersion:
-    """A folder with an artifact and a note on it. The note is written last, and whole: what it names is there.
+    """A folder with an artifact and a note on it.
+
+    The note is written last and atomically, so that the file it names is complete.
 
     Args:
         folder: made if missing; one for each database.
@@ -45,8 +47,8 @@ class KeptVersion:
     def note(self) -> Note | None:
         """What is kept; `None` before anything is, or if the note is damaged."""
         try:
-            told = json.loads((self.folder / NOTE).read_text(encoding="utf-8"))
-            note = Note(**{**told, "rates": Rates(**told["rates"])})
+            members = json.loads((self.folder / NOTE).read_text(encoding="utf-8"))
+            note = Note(**{**members, "rates": Rates(**members["rates"])})
         except (OSError, ValueError, TypeError, KeyError):
             return None
         return note if (self.folder / note.file).is_file() else None

@@ -32,7 +32,7 @@ class Optics:
 
     def body(self) -> OpticsBody:
         """As the service takes it."""
-        told: dict[str, Any] = {name: value for name, value in vars(self).items() if value is not None}
+        members: dict[str, Any] = {name: value for name, value in vars(self).items() if value is not None}
         if self.principal_point_px is not None:
-            told["principal_point_px"] = list(self.principal_point_px)
-        return OpticsBody.from_dict(told)
+            members["principal_point_px"] = list(self.principal_point_px)
+        return OpticsBody.from_dict(members)

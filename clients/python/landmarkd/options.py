@@ -10,17 +10,17 @@ from ._generated.types import UNSET, Unset
 
 
 class Options(LandmarkOptionsBody):
-    """Options as they were given, whatever the kind: one that the generated types don't know isn't lost but refused."""
+    """Options as they were given, whatever the kind: the service refuses unknown ones, which generated types drop."""
 
-    def __init__(self, told: Mapping[str, Any]) -> None:
+    def __init__(self, values: Mapping[str, Any]) -> None:
         super().__init__()
-        self.told = dict(told)
+        self.values = dict(values)
 
     def to_dict(self) -> dict[str, Any]:
         """As the service takes them."""
-        return self.told
+        return self.values
 
     @classmethod
-    def of(cls, told: Mapping[str, Any] | None) -> Options | Unset:
-        """For a call, which is silent about none."""
-        return UNSET if told is None else cls(told)
+    def of(cls, values: Mapping[str, Any] | None) -> Options | Unset:
+        """For a call; `None` isn't sent."""
+        return UNSET if values is None else cls(values)

@@ -1,4 +1,4 @@
-"""A picture as the service takes it: a file's bytes, or an array of grey levels or colours.
+"""A picture as the service takes it: a file's bytes, or an array of gray levels or colours.
 
 Arrays are H×W (gray) or H×W×3 (red, green, blue), of `uint8` or `uint16`, rows from the top. They are sent without
 loss: as PNG if Pillow is installed (`pip install 'landmarkd[pictures]'`), 16-bit ones and all without it as portable

@@ -58,20 +58,20 @@ class Problem(Exception):
 
     @classmethod
     def of(cls, response: httpx.Response) -> Problem:
-        """The problem that an answer with an error's status tells; its body must have been read."""
-        told = document(response)
+        """The problem of an answer with an error's status; its body must have been read."""
+        body = document(response)
         return cls(
             response.status_code,
-            str(told.get("code", "")),
-            title=str(told.get("title", response.reason_phrase)),
-            detail=str(told.get("detail", "")),
+            str(body.get("code", "")),
+            title=str(body.get("title", response.reason_phrase)),
+            detail=str(body.get("detail", "")),
             errors=[
                 FieldFault(str(fault.get("pointer", "")), str(fault.get("detail", "")))
-                for fault in told.get("errors") or []
+                for fault in body.get("errors") or []
                 if isinstance(fault, dict)
             ],
             retry_after=seconds(response.headers.get("Retry-After")),
-            request_id=told.get("request_id") or response.headers.get("X-Request-Id"),
+            request_id=body.get("request_id") or response.headers.get("X-Request-Id"),
         )
 
 
@@ -82,10 +82,10 @@ class Unreachable(Exception):
 def document(response: httpx.Response) -> dict[str, Any]:
     """The body as an object; an empty one for anything that is none."""
     try:
-        told = response.json()
+        body = response.json()
     except ValueError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return body if isinstance(body, dict) else {}
 
 
 def seconds(retry_after: str | None) -> float | None:

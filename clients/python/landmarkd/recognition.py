@@ -62,13 +62,13 @@ class Recognition:
     instances: list[InstanceBody] = field(default_factory=list)
     """Landmarks: everything known that is in the frame for sure enough."""
     points_used: int = 0
-    """Landmarks: interest points that were asked."""
+    """Landmarks: interest points that voted."""
     points_found: int = 0
     """Landmarks: interest points in the frame."""
     points: list[PointBody] | None = None
     """Landmarks, with `explain`: every point's vote."""
     candidates: list[CandidateBody] = field(default_factory=list)
-    """Objects: those looked at closely, the likeliest first."""
+    """Objects: those compared in their own eigenspaces, the likeliest first."""
     pose: PoseBody | None = None
     """Objects: how it is turned, in degrees. Act on it if `reliable`."""
 
@@ -85,7 +85,7 @@ def decision(body: DecisionBody | None) -> Decision | None:
 
 def fields(body: Body) -> dict[str, Any]:
     """The fields of a recognition that an answer has, by the kind of its database."""
-    told: dict[str, Any] = {
+    common: dict[str, Any] = {
         "database": body.database,
         "kind": body.kind,
         "version": body.version,
@@ -97,11 +97,11 @@ def fields(body: Body) -> dict[str, Any]:
         "stamp": given(body.header.stamp),
     }
     if isinstance(body, (LandmarkRecognitionBody, LandmarkTrackedFrameBody)):
-        return told | {
+        return common | {
             "votes": body.votes,
             "instances": body.instances,
             "points_used": body.points_used,
             "points_found": body.points_found,
             "points": given(body.points),
         }
-    return told | {"candidates": body.candidates, "pose": given(body.pose)}
+    return common | {"candidates": body.candidates, "pose": given(body.pose)}

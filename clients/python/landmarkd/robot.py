@@ -7,14 +7,14 @@
 - Frames go to a track of the service, so that they add up. Where there is none, single answers add up here
   (`belief.py`).
 - The newest frame wins: those that came while an answer was awaited are dropped, and counted.
-- A service that is busy (429, 503) or away is asked again later and later, at random times, and never before it said
-  (`Retry-After`). The frame that is due then is the attempt: while the service is away, one frame in a while waits for
-  `--timeout-s`.
-- The version in use is kept on disk and looked after every `--refresh-s` (by its ETag, so that it is sent only when it
+- A service that is busy (429, 503) or away is asked again with exponential backoff and jitter, and never before
+  `Retry-After` is over. The frame that is due then is the attempt: while the service is away, one frame in a while
+  waits for `--timeout-s`.
+- The version in use is kept on disk and checked every `--refresh-s` (by its ETag, so that it is sent only when it
   changed). With `--local-binary` a local service answers from it while the real one is away longer than `--patience-s`.
   The belief goes on across the change; the local service is stopped when the real one is back.
 
-A refusal that waiting doesn't mend (a wrong key, no such database, no version) ends the loop.
+A refusal that waiting doesn't change (a wrong key, no such database, no version) ends the loop.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ Motion = Literal["auto", "path", "still"]
 BAD_PICTURES = {"empty_image", "corrupt_image", "unsupported_image_format", "image_too_large", "image_too_small"}
 """Problems of one frame, not of the next. `body_too_large` isn't among them: the next is as large."""
 PASSING = {408, 425, 429}
-"""Refusals that waiting mends, beside those from 500 on."""
+"""Statuses that are retried, beside those from 500 on."""
 
 
 class Robot:
@@ -63,7 +63,7 @@ class Robot:
         motion: how the track takes the robot to move.
         kept: where the version in use is kept; `None` keeps none.
         stand_in: the local service; `None` if there is none.
-        refresh_s: how often the version in use is looked after, in seconds.
+        refresh_s: how often the version in use is checked, in seconds.
         patience_s: how long the service may be away before the stand-in is started, in seconds.
         backoff: when to ask again after a failure.
 
@@ -159,13 +159,13 @@ class Robot:
         """Ask about a frame: the service if it is time to, else the stand-in. `None` if nobody answered.
 
         Raises:
-            Problem: one that waiting doesn't mend.
+            Problem: one that isn't retried.
 
         """
         try:
-            if self._backoff.due and (sighting := self._asked(frame)) is not None:
+            if self._backoff.due and (sighting := self._by_service(frame)) is not None:
                 return sighting
-            if (sighting := self._locally(frame)) is not None:
+            if (sighting := self._by_stand_in(frame)) is not None:
                 return sighting
         except Problem as problem:
             if problem.code not in BAD_PICTURES:
@@ -174,7 +174,7 @@ class Robot:
             self._unreadable = frame
         return None
 
-    def _asked(self, frame: Frame) -> Sighting | None:
+    def _by_service(self, frame: Frame) -> Sighting | None:
         """The service's answer; `None` if it is busy or away, which is noted."""
         began = time.monotonic()
         try:
@@ -276,7 +276,7 @@ class Robot:
 
     # While the service is away
 
-    def _locally(self, frame: Frame) -> Sighting | None:
+    def _by_stand_in(self, frame: Frame) -> Sighting | None:
         """The stand-in's answer; `None` if there is none, or not yet."""
         if self.stand_in is None or self.kept is None or self._away_since is None:
             return None
@@ -303,7 +303,7 @@ class Robot:
         return None
 
     def keep_fresh(self) -> None:
-        """Look after the kept version from now on, beside the loop; `sightings` does it, who calls `see` may."""
+        """Check the kept version from now on in a thread; `sightings` calls this, callers of `see` may."""
         if self.kept is None or self._keeper is not None:
             return
         kept = self.kept
@@ -314,7 +314,7 @@ class Robot:
                     if kept.refresh(self.client, self.database):
                         log.info("version %s is kept", kept.note.version if kept.note else "?")
                 except (Problem, Unreachable, OSError) as error:
-                    log.debug("the kept version wasn't looked after: %s", error)
+                    log.debug("the kept version wasn't checked: %s", error)
                 if self._stop.wait(self.refresh_s):
                     return
 
@@ -368,31 +368,31 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: list[str] | None = None) -> int:
     """Run the loop by the command line; the exit code."""
     parser = arguments()
-    told = parser.parse_args(words)
-    if told.local_binary and not told.keep:
+    args = parser.parse_args(words)
+    if args.local_binary and not args.keep:
         parser.error("--local-binary needs --keep: it answers from what is kept there")
     logging.basicConfig(
-        level=logging.INFO if told.verbose else logging.WARNING, format="%(message)s", stream=sys.stderr
+        level=logging.INFO if args.verbose else logging.WARNING, format="%(message)s", stream=sys.stderr
     )
     logging.getLogger("httpx").setLevel(logging.WARNING)
     stop = threading.Event()
     frames = (
-        played(told.frames, 0 if told.every_frame else told.rate_hz)
-        if told.frames
-        else watched(told.watch, stop)
-        if told.watch
-        else camera(told.camera, stop)
+        played(args.frames, 0 if args.every_frame else args.rate_hz)
+        if args.frames
+        else watched(args.watch, stop)
+        if args.watch
+        else camera(args.camera, stop)
     )
-    kept = KeptVersion(told.keep / "version") if told.keep else None
+    kept = KeptVersion(args.keep / "version") if args.keep else None
     robot = Robot(
-        Client(told.service, robot_id=told.robot_id, timeout_s=told.timeout_s),
-        told.database,
-        tracked=not told.single,
-        motion=told.motion,
+        Client(args.service, robot_id=args.robot_id, timeout_s=args.timeout_s),
+        args.database,
+        tracked=not args.single,
+        motion=args.motion,
         kept=kept,
-        stand_in=StandIn(told.local_binary, told.keep / "data") if told.local_binary else None,
-        refresh_s=told.refresh_s,
-        patience_s=told.patience_s,
+        stand_in=StandIn(args.local_binary, args.keep / "data") if args.local_binary else None,
+        refresh_s=args.refresh_s,
+        patience_s=args.patience_s,
     )
 
     def end(number: int, frame: FrameType | None) -> None:
@@ -400,8 +400,8 @@ def main(words: list[str] | None = None) -> int:
 
     signal.signal(signal.SIGTERM, end)
     try:
-        for sighting in robot.sightings(frames, every_frame=told.every_frame):
-            print(sighting.json() if told.json else sighting.line(), flush=True)
+        for sighting in robot.sightings(frames, every_frame=args.every_frame):
+            print(sighting.json() if args.json else sighting.line(), flush=True)
     except Problem as problem:
         print(f"landmarkd.robot: {problem}", file=sys.stderr)
         return 2

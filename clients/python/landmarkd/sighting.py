@@ -51,5 +51,5 @@ class Sighting:
 
     def json(self) -> str:
         """For programs: one line, without the evidence."""
-        told = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "answer"}
-        return json.dumps(told, default=asdict)
+        members = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "answer"}
+        return json.dumps(members, default=asdict)

@@ -26,7 +26,7 @@ class StandIn:
 
     Args:
         binary: the program.
-        folder: its data; it is kept, so that a version that was taken in once needn't be again.
+        folder: its data; it is kept, so that a version is imported only once.
 
     """
 
@@ -89,22 +89,22 @@ class StandIn:
         self._process = process
         log: list[str] = []
         addresses: list[str] = []
-        told = threading.Event()
+        settled = threading.Event()
 
         def read() -> None:
-            """The log must be read to its end, or the program would wait for somebody to."""
+            """Read the log to its end: a full pipe would block the program."""
             assert process.stderr is not None
             for line in process.stderr:
                 address = address_of(line)
                 if address and not addresses:
                     addresses.append(address)
-                    told.set()
+                    settled.set()
                 elif not addresses:
                     log.append(line)
-            told.set()
+            settled.set()
 
         threading.Thread(target=read, name="stand-in", daemon=True).start()
-        told.wait(START_S)
+        settled.wait(START_S)
         if not addresses:
             self.stop()
             raise StandInFailed(f"{self.binary} doesn't listen:\n" + "".join(log[-5:]))
@@ -126,10 +126,10 @@ class StandIn:
 
 
 def address_of(line: str) -> str:
-    """The address that a line of the log tells, if it does."""
+    """The address in a line of the log; empty if it has none."""
     try:
-        told = json.loads(line)
+        entry = json.loads(line)
     except ValueError:
         return ""
-    address = told.get("address") if isinstance(told, dict) else None
+    address = entry.get("address") if isinstance(entry, dict) else None
     return address if isinstance(address, str) else ""

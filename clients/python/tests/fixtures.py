@@ -16,7 +16,7 @@ ROOMS = ("kitchen", "stairs", "workshop")
 
 
 def pytest_configure() -> None:
-    """Without the binary nothing can be said: that must not look like success."""
+    """Fail without the binary: a run that tests nothing must not look like success."""
     if not BINARY or not os.access(BINARY, os.X_OK):
         raise pytest.UsageError("LANDMARKD_BINARY must name the service's program")
 

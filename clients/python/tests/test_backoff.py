@@ -29,7 +29,7 @@ def test_waits_double_up_to_a_bound_and_are_drawn() -> None:
 
 
 @pytest.mark.parametrize("status", [429, 503])
-def test_a_busy_service_is_asked_again_when_it_said(status: int) -> None:
+def test_a_busy_service_is_asked_again_after_retry_after(status: int) -> None:
     refusals = [refusal(status, "overloaded", "1"), refusal(status, "overloaded")]
 
     def answer(method: str, path: str) -> Answer:

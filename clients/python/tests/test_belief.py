@@ -9,8 +9,8 @@ from landmarkd.belief import Belief, Rates
 
 
 def total(belief: Belief) -> float:
-    """All that is believed, of which labels that nobody saw are a part."""
-    return belief.elsewhere + sum(each.probability for each in belief.best(1000)) + belief._unseen
+    """The sum of all probabilities, with that of labels which were not observed."""
+    return belief.elsewhere + sum(each.probability for each in belief.best(1000)) + belief._unobserved
 
 
 def test_the_first_frame_is_bayes_by_hand() -> None:

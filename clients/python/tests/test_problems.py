@@ -46,7 +46,7 @@ def test_faults_are_named_by_field(client: Client, home: str) -> None:
         (b"\x89PNG\r\n\x1a\nbroken", "corrupt_image"),
     ],
 )
-def test_bad_pictures_are_told_apart(client: Client, home: str, picture: bytes, code: str) -> None:
+def test_bad_pictures_have_codes_of_their_own(client: Client, home: str, picture: bytes, code: str) -> None:
     with pytest.raises(Problem) as caught:
         client.recognise(home, picture)
     assert caught.value.code == code
@@ -93,7 +93,7 @@ def test_retry_after_is_seconds_or_a_date() -> None:
     assert seconds("7") == 7
     assert seconds("soon") is None
     then = datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=30)
-    told = seconds(email.utils.format_datetime(then, usegmt=True))
-    assert told is not None
-    assert 28 <= told <= 30
+    wait_s = seconds(email.utils.format_datetime(then, usegmt=True))
+    assert wait_s is not None
+    assert 28 <= wait_s <= 30
     assert seconds("Wed, 21 Oct 2015 07:28:00 GMT") == 0

@@ -82,7 +82,7 @@ def test_the_newest_frame_wins() -> None:
     assert newest.ended
 
 
-def test_what_goes_wrong_with_a_camera_is_told() -> None:
+def test_what_goes_wrong_with_a_camera_is_raised() -> None:
     def source() -> Iterator[Frame]:
         yield seen_at("kitchen", 0)
         raise OSError("unplugged")
@@ -210,9 +210,9 @@ def test_the_program_tells_what_it_sees(service: Service, home: str, tmp_path: P
     command += ["--frames", str(tmp_path)]
     ran = subprocess.run([*command, "--every-frame", "--json"], capture_output=True, text=True, timeout=60, check=False)
     assert (ran.returncode, ran.stderr) == (0, "")
-    told = [json.loads(line) for line in ran.stdout.splitlines()]
-    assert [each["frame_id"] for each in told] == ["0.png", "1.png", "2.png"]
-    assert told[-1]["decision"]["label"] == "kitchen"
+    printed = [json.loads(line) for line in ran.stdout.splitlines()]
+    assert [each["frame_id"] for each in printed] == ["0.png", "1.png", "2.png"]
+    assert printed[-1]["decision"]["label"] == "kitchen"
     ran = subprocess.run([*command, "--rate-hz", "20"], capture_output=True, text=True, timeout=60, check=False)
     assert "kitchen" in ran.stdout.splitlines()[-1]
     command[command.index(home)] = "nowhere"
@@ -255,8 +255,8 @@ def test_the_program_ends_with_its_local_service(folder: Path, tmp_path: Path) -
     robot = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert robot.stdout is not None
-        told = json.loads(robot.stdout.readline())
-        assert (told["source"], told["frame_decision"]["label"]) == ("local", "kitchen")
+        printed = json.loads(robot.stdout.readline())
+        assert (printed["source"], printed["frame_decision"]["label"]) == ("local", "kitchen")
         robot.send_signal(signal.SIGTERM)
         _, log = robot.communicate(timeout=20)
     finally:

@@ -28,7 +28,7 @@ def test_training_tells_its_progress(client: Client) -> None:
     assert seen[-1] == job
     assert any(each.state == "running" and each.stage and each.done <= each.total for each in seen)
     assert client.database("progress").current_version == 1
-    # Followed once more, all its life is told again.
+    # Followed once more, all its events are sent again.
     again: list[Job] = []
     assert client.follow(job.id, again.append) == job
     assert [each.state for each in again] == [each.state for each in seen]

@@ -56,20 +56,22 @@ class LandmarkdNode(Node):  # type: ignore[misc]
 
     def __init__(self) -> None:
         super().__init__("landmarkd")
-        told = {name: self.declare_parameter(name, default).value for name, default in PARAMETERS.items()}
-        self.client = Client(told["service"], robot_id=told["robot_id"] or None, timeout_s=told["timeout_s"])
-        keep = Path(told["keep"]) if told["keep"] else None
+        parameters = {name: self.declare_parameter(name, default).value for name, default in PARAMETERS.items()}
+        robot_id = parameters["robot_id"] or None
+        self.client = Client(parameters["service"], robot_id=robot_id, timeout_s=parameters["timeout_s"])
+        keep = Path(parameters["keep"]) if parameters["keep"] else None
+        binary = parameters["local_binary"]
         self.robot = Robot(
             self.client,
-            told["database"],
-            tracked=told["tracked"],
-            motion=told["motion"],
+            parameters["database"],
+            tracked=parameters["tracked"],
+            motion=parameters["motion"],
             kept=KeptVersion(keep / "version") if keep else None,
-            stand_in=StandIn(Path(told["local_binary"]), keep / "data") if keep and told["local_binary"] else None,
+            stand_in=StandIn(Path(binary), keep / "data") if keep and binary else None,
         )
         self.frames: Newest[Any] = Newest()
         self.pairs: Newest[Any] = Newest()
-        self.calibration = told["calibration"]
+        self.calibration = parameters["calibration"]
         self.camera_info: Any = None
 
         self.place = self.create_publisher(vision.Classification, "place", 10)
@@ -87,7 +89,7 @@ class LandmarkdNode(Node):  # type: ignore[misc]
                     for name in ("near", "far")
                 ],
                 queue_size=5,
-                slop=told["pair_slop_s"],
+                slop=parameters["pair_slop_s"],
             )
             self.pair.registerCallback(lambda near, far: self.pairs.put((near, far)))
             self.threads.append(threading.Thread(target=self.measure, name="measure", daemon=True))
@@ -116,17 +118,17 @@ class LandmarkdNode(Node):  # type: ignore[misc]
                 return
             else:
                 if sighting is not None:
-                    self.tell(sighting, image)
+                    self.publish(sighting, image)
 
-    def tell(self, sighting: Any, image: Any) -> None:
+    def publish(self, sighting: Any, image: Any) -> None:
         """Publish what is known after a frame."""
         header = image.header
-        for publisher, told in (
+        for publisher, answer in (
             (self.place, messages.belief(sighting, header)),
             (self.decision, messages.classification(sighting.decision, header)),
             (self.detections, messages.detections(sighting.answer, header, image.width, image.height)),
         ):
-            publisher.publish(messages.message(told, TYPES))
+            publisher.publish(messages.message(answer, TYPES))
 
     # Distances
 
@@ -151,15 +153,15 @@ class LandmarkdNode(Node):  # type: ignore[misc]
                 self.get_logger().warning(f"no distances: {fault}; asked again in {wait_s:.1f} s")
             else:
                 backoff.succeeded()
-                self.tell_depth(depth, near.header)
+                self.publish_depth(depth, near.header)
 
-    def tell_depth(self, depth: DepthMap, header: Any) -> None:
-        """Publish distances, and the description of the camera that they are seen by."""
-        told = Image()
-        told.header = header
+    def publish_depth(self, depth: DepthMap, header: Any) -> None:
+        """Publish distances, and the description of the near camera."""
+        image = Image()
+        image.header = header
         for name, value in vars(images.depth_image(depth.depth_mm)).items():
-            setattr(told, name, value)
-        self.depth.publish(told)
+            setattr(image, name, value)
+        self.depth.publish(image)
         if self.camera_info is not None:
             info = self.camera_info
             # It belongs to this picture.
@@ -189,7 +191,7 @@ def stamp(time: Any) -> str:
 
 
 def main(words: list[str] | None = None) -> None:
-    """Run the node until it is told to end."""
+    """Run the node until it is shut down."""
     rclpy.init(args=words)
     node = LandmarkdNode()
     try:

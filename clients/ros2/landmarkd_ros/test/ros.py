@@ -67,11 +67,11 @@ class Publisher:
     """Keeps what is published."""
 
     def __init__(self) -> None:
-        self.told: list[Any] = []
+        self.published: list[Any] = []
         self.came = threading.Event()
 
-    def publish(self, told: Any) -> None:
-        self.told.append(told)
+    def publish(self, message: Any) -> None:
+        self.published.append(message)
         self.came.set()
 
 

@@ -33,10 +33,12 @@ def test_the_classes_have_the_fields_of_the_messages() -> None:
 def test_placements_become_boxes() -> None:
     header = ros.Header()
     header.frame_id = "camera"
-    told = messages.message(messages.detections(answer(instances=[placed("kitchen")]), header, 320, 240), ros.VISION)
-    assert isinstance(told, ros.Detection2DArray)
-    assert told.header is header
-    (detection,) = told.detections
+    converted = messages.message(
+        messages.detections(answer(instances=[placed("kitchen")]), header, 320, 240), ros.VISION
+    )
+    assert isinstance(converted, ros.Detection2DArray)
+    assert converted.header is header
+    (detection,) = converted.detections
     assert isinstance(detection, ros.Detection2D)
     assert detection.header is header
     (result,) = detection.results
@@ -57,8 +59,8 @@ def test_an_object_is_the_whole_frame() -> None:
 
 def test_decisions_and_beliefs_become_classifications() -> None:
     assert messages.classification(None, None).results == []
-    told = messages.message(messages.classification(Decision("kitchen", 0.9), None), ros.VISION)
-    assert [(each.class_id, each.score) for each in told.results] == [("kitchen", 0.9)]
+    converted = messages.message(messages.classification(Decision("kitchen", 0.9), None), ros.VISION)
+    assert [(each.class_id, each.score) for each in converted.results] == [("kitchen", 0.9)]
     believed = [LabelBelief("kitchen", 0.7), LabelBelief("stairs", 0.2)]
     sighting = Sighting("1", "1.0", "track", 1, "d", None, believed, 0.1, None, [], 5.0, answer())
     assert [(each.class_id, each.score) for each in messages.belief(sighting, None).results] == [

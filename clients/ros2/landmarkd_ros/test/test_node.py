@@ -50,7 +50,7 @@ def test_places_are_published(node: Any) -> None:
         node.detections.came.clear()
         node.subscriptions["image"](taken(moved(room(1), number, 0), number + 1))
         assert node.detections.came.wait(10), node.log
-    place, decision, detections = (node.publishers[name].told[-1] for name in ("place", "decision", "detections"))
+    place, decision, detections = (node.publishers[name].published[-1] for name in ("place", "decision", "detections"))
     assert place.results[0].class_id == decision.results[0].class_id == "stairs"
     assert place.header.frame_id == "camera_optical_frame"
     assert place.header.stamp.sec == 3
@@ -68,15 +68,15 @@ def test_distances_are_published_in_metres(node: Any, client: Client) -> None:
     assert node.pair.topics == ["near", "far"]
     node.pair.give(taken(near, 7), taken(far, 7))
     assert node.depth_info.came.wait(10), node.log
-    image = node.depth.told[0]
+    image = node.depth.published[0]
     metres = np.frombuffer(image.data, np.float32).reshape(image.height, image.width)
     depth = client.depth(near, far, calibration="rig")
     assert np.array_equal(metres, depth.depth_mm / np.float32(1000), equal_nan=True)
     assert (image.encoding, image.header.stamp.sec) == ("32FC1", 7)
-    assert (node.depth_info.told[0].width, node.depth_info.told[0].header.stamp.sec) == (160, 7)
+    assert (node.depth_info.published[0].width, node.depth_info.published[0].header.stamp.sec) == (160, 7)
 
 
-def test_an_encoding_that_is_not_read_is_told(node: Any) -> None:
+def test_an_encoding_that_is_not_read_is_logged(node: Any) -> None:
     message = taken(room(0), 1)
     message.encoding = "bayer_rggb8"
     node.subscriptions["image"](message)
