@@ -2,15 +2,16 @@
 
 const KEY = "landmarkd-key";
 
-// A refusal as the service words it (RFC 9457).
+// An error answer of the service (RFC 9457).
 export class Problem extends Error {
   constructor(body, retryAfter = 0) {
     super(body.detail ?? body.title);
-    Object.assign(this, {status: body.status, code: body.code, title: body.title, errors: body.errors ?? [], requestId: body.request_id, retryAfter});
+    const {status, code, title, errors = [], request_id: requestId} = body;
+    Object.assign(this, {status, code, title, errors, requestId, retryAfter});
   }
 }
 
-// Waits; no longer than until `signal` is aborted.
+// Waits for `seconds`, or until `signal` is aborted.
 export const pause = (seconds, signal) => new Promise((wake) => {
   const done = () => { clearTimeout(timer); signal?.removeEventListener("abort", done); wake(); };
   const timer = setTimeout(done, 1000 * seconds);
@@ -18,7 +19,7 @@ export const pause = (seconds, signal) => new Promise((wake) => {
 });
 
 let ask = async () => null;
-// What asks the person for a key when the service does: set once by the frame of the pages.
+// Sets the function that asks the person for a key when the service requires one; app.js calls it once.
 export const onKeyAsked = (asked) => { ask = asked; };
 export const key = () => sessionStorage.getItem(KEY);
 export const setKey = (value) => value ? sessionStorage.setItem(KEY, value) : sessionStorage.removeItem(KEY);
@@ -31,7 +32,7 @@ async function newKey(refused) {
   return given;
 }
 
-// One call; gives the Response, throws a Problem. `json` or `body` is sent; `accept` says which form is wanted.
+// Makes one call; resolves to the Response, throws a Problem. Sends `json` or `body`; `accept` is the media type of the answer.
 export async function call(method, path, {json, body, type, accept, headers = {}, signal} = {}) {
   const sent = {...headers};
   if (json !== undefined) { body = JSON.stringify(json); type = "application/json"; }
@@ -45,7 +46,8 @@ export async function call(method, path, {json, body, type, accept, headers = {}
       answer = await fetch(path, {method, headers: sent, body, signal, cache: "no-store"});
     } catch (error) {
       if (error.name === "AbortError") throw error;
-      throw new Problem({status: 0, title: "The service can't be reached", detail: "The service didn't answer: is it still running? Try again in a moment."});
+      throw new Problem({status: 0, title: "The service can't be reached",
+        detail: "The service didn't answer: is it still running? Try again in a moment."});
     }
     if (answer.ok) return answer;
     const problem = await answer.json().catch(() => ({status: answer.status, title: `HTTP ${answer.status} ${answer.statusText}`}));
@@ -59,7 +61,7 @@ export const post = async (path, options) => (await call("POST", path, options))
 export const put = async (path, json) => (await call("PUT", path, {json})).json();
 export const remove = async (path) => { await call("DELETE", path); };
 
-// A picture of the service as an address an <img> can show; the caller revokes it when it goes.
+// Fetches a picture and gives an object URL for an <img>; the caller revokes it.
 export const blobUrl = async (path, options) => URL.createObjectURL(await (await call("GET", path, options)).blob());
 
 // All items of a list, at most `most`.
@@ -75,8 +77,8 @@ export async function all(path, {most = 10000, signal} = {}) {
   return items;
 }
 
-// Follows a stream of server-sent events to its end, with the key in the header as an EventSource couldn't; begins again
-// after the last one that arrived when the line breaks, or when the service said to come back later.
+// Reads a stream of server-sent events to its end, with the key in a header, which an EventSource cannot send. Reconnects with
+// Last-Event-ID when the connection breaks, and after Retry-After when the service sends one.
 export async function follow(path, onEvent, signal) {
   let last = null;
   for (let failures = 0; !signal?.aborted;) {
@@ -105,7 +107,8 @@ export async function follow(path, onEvent, signal) {
         }
       }
     } catch (error) {
-      if (error.name === "AbortError" || (error instanceof Problem && error.status >= 400 && error.status < 500 && ![408, 429].includes(error.status))) throw error;
+      if (error.name === "AbortError"
+        || (error instanceof Problem && error.status >= 400 && error.status < 500 && ![408, 429].includes(error.status))) throw error;
       ({retryAfter = 0} = error);
     }
     failures += 1;

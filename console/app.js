@@ -1,4 +1,4 @@
-// The frame of the pages: which address shows which page, the key that is asked for once a tab, and what goes wrong.
+// The router: which address shows which page, the dialog for the key (once a tab), and the page of an error.
 // A page is a module with `show(main, parts, signal)`: `parts` are the words of the address after its own, `signal` is
 // aborted when the page is left.
 
@@ -24,10 +24,11 @@ const PAGES = {
 const main = document.getElementById("main");
 let leaving = new AbortController();
 
-// Marks where in the pages this one is.
+// Marks the current page in the navigation.
 function markHere(word) {
   for (const link of document.querySelectorAll(".bar nav a")) {
-    const here = link.getAttribute("href") === `#/${word}` || (link.getAttribute("href") === "#/" && ["databases", "versions"].includes(word));
+    const here = link.getAttribute("href") === `#/${word}`
+      || (link.getAttribute("href") === "#/" && ["databases", "versions"].includes(word));
     if (here) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }

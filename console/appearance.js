@@ -1,4 +1,4 @@
-// Why a database of kind `objects` answered as it did: candidates by distance, the pose, and what the version sees with.
+// The evidence of an answer of kind `objects`: candidates by distance, the pose, the eigenimages, the reconstruction.
 
 import {h, picture, replace, svg} from "./dom.js";
 import {all, blobUrl, call} from "./api.js";
@@ -9,7 +9,7 @@ const total = (candidate) => Math.hypot(candidate.distance_in_space, candidate.d
 
 // Each candidate's total distance as a bar, with a mark where it would no longer be accepted.
 export function candidates(answer) {
-  if (!answer.candidates.length) return h("p", {}, "No object was looked at: there is nothing in the frame to compare.");
+  if (!answer.candidates.length) return h("p", {}, "No object was compared: there is nothing in the frame to compare.");
   const farthest = 1.06 * Math.max(...answer.candidates.flatMap((candidate) => [total(candidate), candidate.threshold ?? 0]), 1e-6);
   const hasMahalanobis = answer.candidates.some(({mahalanobis}) => mahalanobis !== undefined);
   const row = (candidate, place) => {
@@ -17,9 +17,10 @@ export function candidates(answer) {
     const is = threshold === null ? null : total(candidate) <= threshold;
     return h("tr", {},
       h("th", {scope: "row"}, label),
-      h("td", {class: "bar-cell"}, svg("svg", {viewBox: "0 0 100 10", preserveAspectRatio: "none", class: `hbar tone-${place + 1}`, "aria-hidden": "true"},
-        svg("rect", {class: "track", width: 100, height: 10}), svg("rect", {width: 100 * total(candidate) / farthest, height: 10}),
-        threshold !== null && svg("line", {x1: 100 * threshold / farthest, x2: 100 * threshold / farthest, y1: 0, y2: 10}))),
+      h("td", {class: "bar-cell"},
+        svg("svg", {viewBox: "0 0 100 10", preserveAspectRatio: "none", class: `hbar tone-${place + 1}`, "aria-hidden": "true"},
+          svg("rect", {class: "track", width: 100, height: 10}), svg("rect", {width: 100 * total(candidate) / farthest, height: 10}),
+          threshold !== null && svg("line", {x1: 100 * threshold / farthest, x2: 100 * threshold / farthest, y1: 0, y2: 10}))),
       h("td", {class: "n"}, number(total(candidate), 3)),
       h("td", {class: "n"}, number(threshold, 3)),
       h("td", {class: "name"}, is === null ? "–" : is ? "near enough" : "too far"),
@@ -32,10 +33,15 @@ export function candidates(answer) {
   const residual = first.distance_from_space;
   return [
     h("div", {class: "scroll", tabindex: "0", role: "region", "aria-label": "Candidates"}, h("table", {id: "try-candidates"},
-      h("thead", {}, h("tr", {}, heads.map((head, place) => h("th", {scope: "col", class: place > 1 && place !== 4 ? "n" : ""}, head || h("span", {class: "visually-hidden"}, place === 1 ? "Bar" : "Verdict"))))),
+      h("thead", {}, h("tr", {},
+        heads.map((head, place) => h("th", {scope: "col", class: place > 1 && place !== 4 ? "n" : ""},
+          head || h("span", {class: "visually-hidden"}, place === 1 ? "Bar" : "Verdict"))))),
       h("tbody", {}, answer.candidates.map(row)))),
-    h("p", {class: "muted"}, "The bar is the total distance √(in² + from²), 0 for equal pictures, √2 for nothing in common; the mark on it is the farthest that is accepted. "
-      + `What the eigenspace can't express of this frame as ${first.label}: ${number(residual, 3)}, which is ${number(100 * residual ** 2)} % of the picture's energy.`),
+    h("p", {class: "muted"},
+      "The bar is the total distance √(in² + from²), 0 for equal pictures, √2 for nothing in common; "
+      + "the mark on it is the farthest that is accepted. "
+      + `What the eigenspace can't express of this frame as ${first.label}: ${number(residual, 3)}, `
+      + `which is ${number(100 * residual ** 2)} % of the picture's energy.`),
   ];
 }
 
@@ -54,35 +60,47 @@ function hand(degrees, kind) {
 
 function sector(from, to) {
   const [a, b] = [at(from, RADIUS), at(to, RADIUS)];
-  return svg("path", {class: "sigma", d: `M${CENTRE} ${CENTRE}L${a.join(" ")}A${RADIUS} ${RADIUS} 0 ${to - from > 180 ? 1 : 0} 1 ${b.join(" ")}Z`});
+  return svg("path", {class: "sigma",
+    d: `M${CENTRE} ${CENTRE}L${a.join(" ")}A${RADIUS} ${RADIUS} 0 ${to - from > 180 ? 1 : 0} 1 ${b.join(" ")}Z`});
 }
 
 const apart = (a, b) => Math.abs((a - b + 540) % 360 - 180);
 
-// The turn on a dial whose rim marks the views that were taught, and the taught view nearest to it.
+// The pose on a dial with a dot for each exemplar's pose, and the exemplar nearest to it.
 export function pose(answer, {database, exemplar, signal}) {
   const {decision, pose: found} = answer;
   if (!decision) return null;
   if (!found) {
-    return h("p", {}, `No pose: ${decision.label} has fewer than three views that differ in pose, looks the same from all sides, or the version isn't calibrated.`);
+    return h("p", {}, `No pose: ${decision.label} has fewer than three views that differ in pose, looks the same from all sides, `
+      + "or the version isn't calibrated.");
   }
   const {turn_deg, sigma_deg, reliable, alternative_deg} = found;
   const views = svg("g", {class: "views"});
-  const title = `${decision.label} is turned by ${number(turn_deg, 1)}°, give or take ${number(sigma_deg, 1)}°${alternative_deg === undefined ? "" : `, or by ${number(alternative_deg, 1)}°, which looks the same`}; ${reliable ? "reliable" : "not reliable"}`;
-  const spread = Math.min(sigma_deg, 179.9);
+  const other = alternative_deg === undefined ? "" : `, or by ${number(alternative_deg, 1)}°, which looks the same`;
+  const title = `${decision.label} is turned by ${number(turn_deg, 1)}°, give or take ${number(sigma_deg, 1)}°${other}; `
+    + (reliable ? "reliable" : "not reliable");
+  const half = Math.min(sigma_deg, 179.9);
   const dial = picture(title, 2 * CENTRE, 2 * CENTRE,
-    svg("circle", {class: "axis", cx: CENTRE, cy: CENTRE, r: RADIUS}), sector(turn_deg - spread, turn_deg + spread), views,
-    [0, 90, 180, 270].map((degrees) => { const [x, y] = at(degrees, RADIUS + 16); return svg("text", {x, y: y + 4, "text-anchor": "middle"}, `${degrees}°`); }),
+    svg("circle", {class: "axis", cx: CENTRE, cy: CENTRE, r: RADIUS}), sector(turn_deg - half, turn_deg + half), views,
+    [0, 90, 180, 270].map((degrees) => {
+      const [x, y] = at(degrees, RADIUS + 16);
+      return svg("text", {x, y: y + 4, "text-anchor": "middle"}, `${degrees}°`);
+    }),
     alternative_deg === undefined ? null : hand(alternative_deg, "alternative"), hand(turn_deg, reliable ? "" : "unsure"));
   dial.id = "try-dial";
   const nearest = h("div", {});
   async function compare() {
-    const taught = (await all(`v1/databases/${database}/exemplars?label=${encodeURIComponent(decision.label)}`, {most: 1000, signal})).filter(({pose_deg}) => pose_deg !== null);
-    if (signal.aborted || !taught.length) return;
-    views.append(...taught.map(({pose_deg}) => { const [x, y] = at(pose_deg, RADIUS); return svg("circle", {cx: x, cy: y, r: 2.5}); }));
-    const closest = taught.reduce((best, view) => apart(view.pose_deg, turn_deg) < apart(best.pose_deg, turn_deg) ? view : best);
+    const exemplars = (await all(`v1/databases/${database}/exemplars?label=${encodeURIComponent(decision.label)}`, {most: 1000, signal}))
+      .filter(({pose_deg}) => pose_deg !== null);
+    if (signal.aborted || !exemplars.length) return;
+    views.append(...exemplars.map(({pose_deg}) => { const [x, y] = at(pose_deg, RADIUS); return svg("circle", {cx: x, cy: y, r: 2.5}); }));
+    const closest = exemplars.reduce((best, view) => apart(view.pose_deg, turn_deg) < apart(best.pose_deg, turn_deg) ? view : best);
     const shown = await exemplar(closest.id);
-    replace(nearest, h("p", {class: "muted"}, "Dots are the views that were taught."), shown && h("figure", {class: "whole"}, h("div", {class: "seen small"}, h("img", {src: shown.src, alt: `The view of ${decision.label} at ${number(closest.pose_deg, 1)}°`})), h("figcaption", {}, `Nearest view taught: ${number(closest.pose_deg, 1)}°`)));
+    replace(nearest, h("p", {class: "muted"}, "Dots are the poses of the exemplars."),
+      shown && h("figure", {class: "whole"},
+        h("div", {class: "annotated small"},
+          h("img", {src: shown.src, alt: `The view of ${decision.label} at ${number(closest.pose_deg, 1)}°`})),
+        h("figcaption", {}, `Nearest exemplar: ${number(closest.pose_deg, 1)}°`)));
   }
   compare().catch(() => {}); // the dial stands without them
   return h("div", {class: "turned"}, dial, h("div", {},
@@ -92,7 +110,7 @@ export function pose(answer, {database, exemplar, signal}) {
     nearest));
 }
 
-// The mean appearance and the first eigenimages, each with its part of the variance.
+// The mean appearance and the first eigenimages, each with its share of the variance.
 export function eigenimages(database, {version, report}, signal) {
   const place = h("div", {class: "thumbs eigen"});
   const kept = report.spectrum.slice(0, report.dimension).reduce((sum, variance) => sum + variance, 0);
@@ -105,25 +123,30 @@ export function eigenimages(database, {version, report}, signal) {
       h("img", {src, alt: i ? `Eigenimage ${which[i]}` : "The mean appearance"}),
       h("figcaption", {}, i ? `${which[i]}: ${number(100 * report.spectrum[which[i]] / whole, 1)} %` : "Mean"))));
   }
-  const details = h("details", {id: "try-eigenimages"}, h("summary", {}, "What the version sees with"),
-    h("p", {class: "muted"}, `The mean of all views, and the first of ${report.dimension} eigenimages (mid-gray is zero) with the part of the variance each holds; together they hold ${number(100 * report.energy_kept, 1)} %.`), place);
+  const details = h("details", {id: "try-eigenimages"}, h("summary", {}, "Eigenimages"),
+    h("p", {class: "muted"},
+      `The mean of all views, and the first of ${report.dimension} eigenimages (mid-gray is zero) with the part of the variance `
+      + `each holds; together they hold ${number(100 * report.energy_kept, 1)} %.`), place);
   details.addEventListener("toggle", () => {
     if (details.open && !place.hasChildNodes()) load().catch((error) => error.name !== "AbortError" && replace(place, problem(error)));
   });
   return details;
 }
 
-// What the eigenspace makes of the frame, as the service draws it: what it looked at, rebuilt, and what is left over.
+// The service's drawing of the normalised picture, its reconstruction from eigenimages, and the residual.
 export function reconstruction(database, {file, type, query, signal}) {
   const place = h("div", {id: "try-reconstruction"});
   async function load() {
-    const drawn = await call("POST", `v1/databases/${database}/recognitions?${new URLSearchParams(query)}`, {body: file, type, accept: "image/png; view=reconstruction", signal});
+    const drawn = await call("POST", `v1/databases/${database}/recognitions?${new URLSearchParams(query)}`,
+      {body: file, type, accept: "image/png; view=reconstruction", signal});
     const residual = Number(drawn.headers.get("X-Distance-From-Space"));
     const src = URL.createObjectURL(await drawn.blob());
     signal.addEventListener("abort", () => URL.revokeObjectURL(src));
     replace(place, h("figure", {},
-      h("img", {src, alt: "The frame as the version looks at it, the same rebuilt from eigenimages, and the residual"}),
-      h("figcaption", {}, `What the version looks at, the same rebuilt from its eigenimages, and the residual (mid-gray is zero). Its length is ${number(residual, 3)}: ${number(100 * residual ** 2, 1)} % of the picture's energy is not in the universal eigenspace.`)));
+      h("img", {src, alt: "The normalised picture, its reconstruction from eigenimages, and the residual"}),
+      h("figcaption", {}, "The normalised picture, its reconstruction from eigenimages, and the residual (mid-gray is zero). "
+        + `Its length is ${number(residual, 3)}: ${number(100 * residual ** 2, 1)} % of the picture's energy `
+        + "is not in the universal eigenspace.")));
   }
   load().catch((error) => error.name !== "AbortError" && replace(place, problem(error)));
   return place;

@@ -1,5 +1,5 @@
 // Charts of a training's report, as SVG. Coordinates within a picture are its own units, about a CSS pixel each; each
-// series has the class series-N, so that the sheet gives it its colour, and a dash of its own for who can't tell colours.
+// series has the class series-N, which style.css colours, and a dash pattern of its own.
 
 import {h, picture, svg} from "./dom.js";
 import {number} from "./parts.js";
@@ -7,7 +7,7 @@ import {number} from "./parts.js";
 const DASHES = [null, "6 4", "2 3"];
 const series = (index) => `series-${index + 1}`;
 
-// Which line is whose; nothing for a single one.
+// The legend of several series; null for a single one.
 export function legend(names) {
   if (names.length < 2) return null;
   return h("p", {class: "series-names"}, names.map((name, index) => h("span", {class: series(index)},
@@ -32,17 +32,19 @@ function powersOfTen(from, to) {
   return Array.from({length: Math.max(0, Math.floor((most - least) / step) + 1)}, (_, index) => 10 ** (least + index * step));
 }
 
-// Where a value of an axis lies, and where its ticks are. `pixels` is [of the least value, of the largest].
+// The scale of an axis and its ticks. `pixels` is [position of the least value, of the largest].
 function axis({from, to, log, whole}, pixels) {
   if (log && !(from > 0)) [from, to] = [0.1, 1];
   if (to <= from) to = from + 1;
   const way = log ? Math.log10 : (value) => value;
   const scale = (pixels[1] - pixels[0]) / (way(to) - way(from));
-  return {at: (value) => pixels[0] + (way(value) - way(from)) * scale, ticks: log ? powersOfTen(from, to) : ticks(from, to).filter((value) => !whole || Number.isInteger(value))};
+  return {at: (value) => pixels[0] + (way(value) - way(from)) * scale,
+    ticks: log ? powersOfTen(from, to) : ticks(from, to).filter((value) => !whole || Number.isInteger(value))};
 }
 
 const extent = (values) => values.length ? [Math.min(...values), Math.max(...values)] : [0, 1];
-const short = (value) => Math.abs(value) >= 1e4 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(0).replace("e+", "e") : number(value, 3);
+const short = (value) => Math.abs(value) >= 1e4 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(0).replace("e+", "e")
+  : number(value, 3);
 
 // Lines over common axes. `x` and `y`: {label, from?, to?, log?, whole?}. `lines`: [{name, points: [[x, y, size?]], dots?, mark?}],
 // where `mark` is an x to be pointed out, and a dot's area goes with its size. `diagonal` draws x = y.
@@ -64,9 +66,12 @@ export function lineChart({title, x, y, lines, diagonal = false}) {
     svg("text", {x: 0, y: 0, "text-anchor": "middle", transform: `translate(11 ${(top + height - bottom) / 2}) rotate(-90)`}, y.label),
     diagonal && svg("line", {class: "axis ideal", x1: across.at(0), y1: up.at(0), x2: across.at(1), y2: up.at(1)}),
     lines.map((line, index) => svg("g", {class: series(index)},
-      line.mark !== undefined && svg("line", {class: "mark", x1: across.at(line.mark), x2: across.at(line.mark), y1: top, y2: height - bottom}),
-      svg("polyline", {class: "line", "stroke-dasharray": DASHES[index], points: line.points.map((point) => `${across.at(point[0]).toFixed(1)},${up.at(point[1]).toFixed(1)}`).join(" ")}),
-      line.dots && line.points.map((point) => svg("circle", {class: "dot", cx: across.at(point[0]), cy: up.at(point[1]), r: 2.5 + 5 * Math.sqrt((point[2] ?? 0) / largest)},
+      line.mark !== undefined
+        && svg("line", {class: "mark", x1: across.at(line.mark), x2: across.at(line.mark), y1: top, y2: height - bottom}),
+      svg("polyline", {class: "line", "stroke-dasharray": DASHES[index],
+        points: line.points.map((point) => `${across.at(point[0]).toFixed(1)},${up.at(point[1]).toFixed(1)}`).join(" ")}),
+      line.dots && line.points.map((point) => svg("circle",
+        {class: "dot", cx: across.at(point[0]), cy: up.at(point[1]), r: 2.5 + 5 * Math.sqrt((point[2] ?? 0) / largest)},
         svg("title", {}, `${short(point[0])}: ${short(point[1])}${point[2] ? `, ${point[2]} answers` : ""}`))))));
 }
 
@@ -90,8 +95,10 @@ export function barChart({title, label, rows}) {
     rows.map((row, line) => [
       svg("text", {x: left - 6, y: line * pitch + pitch / 2 + 3, "text-anchor": "end"}, clip(row.name, 14), svg("title", {}, row.name)),
       row.bars.map((bar, index) => bar && svg("g", {class: series(index)},
-        svg("rect", {class: "bar-far", x: left, width: Math.max(1, across.at(bar.far) - left), y: line * pitch + 4 + index * (thick + 2), height: thick}),
-        svg("rect", {class: "bar-middle", x: across.at(bar.middle) - 1.5, width: 3, y: line * pitch + 3 + index * (thick + 2), height: thick + 2}),
+        svg("rect", {class: "bar-far",
+          x: left, width: Math.max(1, across.at(bar.far) - left), y: line * pitch + 4 + index * (thick + 2), height: thick}),
+        svg("rect", {class: "bar-middle",
+          x: across.at(bar.middle) - 1.5, width: 3, y: line * pitch + 3 + index * (thick + 2), height: thick + 2}),
         svg("title", {}, `${row.name}: median ${number(bar.middle)}°, 95 % within ${number(bar.far)}°`)))]));
 }
 
@@ -103,16 +110,20 @@ export function matrix({title, rows, columns, counts}) {
   const [left, top] = [92, 70];
   const [width, height] = [Math.max(300, left + columns.length * cell + 40), top + rows.length * cell + 4];
   return picture(title, width, height,
-    columns.map((named, column) => svg("text", {transform: `translate(${left + (column + 0.5) * cell + 3} ${top - 6}) rotate(-50)`}, clip(named, 11))),
+    columns.map((named, column) => svg("text", {transform: `translate(${left + (column + 0.5) * cell + 3} ${top - 6}) rotate(-50)`},
+      clip(named, 11))),
     rows.map((shown, row) => {
       const times = columns.map((named) => counts.get(shown)?.get(named) ?? 0);
       const sum = times.reduce((a, b) => a + b, 0) || 1;
       return [
         svg("text", {x: left - 6, y: top + (row + 0.5) * cell + 4, "text-anchor": "end"}, clip(shown, 13)),
         times.map((count, column) => [
-          svg("rect", {class: columns[column] === shown ? "cell right" : "cell wrong", "fill-opacity": count ? 0.15 + 0.85 * count / sum : 0, x: left + column * cell, y: top + row * cell, width: cell - 1, height: cell - 1},
+          svg("rect", {class: columns[column] === shown ? "cell right" : "cell wrong",
+            "fill-opacity": count ? 0.15 + 0.85 * count / sum : 0,
+            x: left + column * cell, y: top + row * cell, width: cell - 1, height: cell - 1},
             svg("title", {}, `${shown} named ${columns[column]}: ${count}`)),
-          count > 0 && cell >= 14 && svg("text", {class: count / sum > 0.5 ? "on" : "off", x: left + (column + 0.5) * cell, y: top + (row + 0.5) * cell + 4, "text-anchor": "middle"}, count)])];
+          count > 0 && cell >= 14 && svg("text", {class: count / sum > 0.5 ? "on" : "off", "text-anchor": "middle",
+            x: left + (column + 0.5) * cell, y: top + (row + 0.5) * cell + 4}, count)])];
     }));
 }
 

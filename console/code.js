@@ -5,7 +5,8 @@ import {act, toast} from "./parts.js";
 
 const shell = (text) => `'${text.replaceAll("'", "'\\''")}'`;
 const quoted = (text) => JSON.stringify(text); // Python and Rust read it the same
-const python = (value) => typeof value === "boolean" ? (value ? "True" : "False") : typeof value === "string" ? quoted(value) : String(value);
+const python = (value) => typeof value === "boolean" ? (value ? "True" : "False")
+  : typeof value === "string" ? quoted(value) : String(value);
 
 function curl({url, file, type, hasKey}) {
   const lines = [`curl --data-binary ${shell(`@${file}`)} -H 'Content-Type: ${type}'`];
@@ -43,11 +44,11 @@ function rust({url, file, type, hasKey}) {
   ].join("\n");
 }
 
-// `query` is what stands behind the question mark, by name.
+// `query` holds the query parameters by name.
 export function requests({database, query, file, type, hasKey}) {
   const service = new URL(".", location.href).href.replace(/\/$/, "");
-  const behind = new URLSearchParams(query).toString();
-  const url = `${service}/v1/databases/${database}/recognitions${behind && `?${behind}`}`;
+  const parameters = new URLSearchParams(query).toString();
+  const url = `${service}/v1/databases/${database}/recognitions${parameters && `?${parameters}`}`;
   const asked = {service, database, query, url, file: file.replace(/\p{Cc}/gu, ""), type, hasKey};
   const forms = [["curl", curl(asked)], ["Python", pythonClient(asked)], ["Rust", rust(asked)]];
   return tabs("The same request", forms.map(([name, text]) => [name, h("div", {class: "copied"},
@@ -58,11 +59,13 @@ export function requests({database, query, file, type, hasKey}) {
     }, {kind: "quiet small", "aria-label": `Copy the request for ${name}`}))]));
 }
 
-// Panels of which one is seen; the arrow keys go from tab to tab.
+// Panels of which one is shown; the arrow keys go from tab to tab.
 function tabs(label, panels) {
   const id = (name, what) => `${what}-${name.toLowerCase()}`;
-  const buttons = panels.map(([name]) => h("button", {type: "button", role: "tab", id: id(name, "tab"), "aria-controls": id(name, "panel"), class: "quiet small", onClick: () => choose(name)}, name));
-  const shown = panels.map(([name, content]) => h("div", {role: "tabpanel", id: id(name, "panel"), "aria-labelledby": id(name, "tab")}, content));
+  const buttons = panels.map(([name]) => h("button", {type: "button", role: "tab", id: id(name, "tab"), "aria-controls": id(name, "panel"),
+    class: "quiet small", onClick: () => choose(name)}, name));
+  const shown = panels.map(([name, content]) => h("div", {role: "tabpanel", id: id(name, "panel"), "aria-labelledby": id(name, "tab")},
+    content));
   function choose(chosen) {
     panels.forEach(([name], place) => {
       buttons[place].setAttribute("aria-selected", name === chosen);

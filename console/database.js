@@ -1,8 +1,8 @@
 // #/databases/{name}: its exemplars, its training, and its versions with the names that point to them.
 
-import {h, replace, steady} from "./dom.js";
+import {h, replace, drawOnChange} from "./dom.js";
 import {all, get, post, put, remove} from "./api.js";
-import {act, confirm, count, keepFresh, liveJobs, outcome, problem, state, time, toast} from "./parts.js";
+import {act, confirm, count, poll, liveJobs, outcome, problem, state, time, toast} from "./parts.js";
 import {NAME} from "./fields.js";
 import {exemplarList} from "./exemplars.js";
 import {upload} from "./upload.js";
@@ -23,16 +23,17 @@ export async function show(main, [name], signal) {
   const versions = h("div", {id: "versions"});
   const exemplars = exemplarList(page);
   const alias = aliasForm(page);
-  const drawSummary = steady(summary, (detail) => summaryOf(detail));
+  const drawSummary = drawOnChange(summary, (detail) => summaryOf(detail));
   const drawLive = liveJobs(live, signal, () => refresh().catch(() => {}));
-  const drawLast = steady(last, lastTraining);
-  const drawVersions = steady(versions, (data) => versionTable(page, data));
+  const drawLast = drawOnChange(last, lastTraining);
+  const drawVersions = drawOnChange(versions, (data) => versionTable(page, data));
 
   let known = {};
   async function refresh() {
-    const [detail, {items: jobs}] = await Promise.all([get(path, {signal}), get(`v1/jobs?database=${encodeURIComponent(name)}&limit=20`, {signal})]);
+    const [detail, {items: jobs}] = await Promise.all([
+      get(path, {signal}), get(`v1/jobs?database=${encodeURIComponent(name)}&limit=20`, {signal})]);
     const ended = jobs.find((job) => job.finished_at);
-    // The long lists are asked for when the counts say that they changed, and after every job.
+    // The long lists are fetched when their counts changed, and after every job.
     if (known.ended !== ended?.id || known.versions !== detail.versions) {
       known.list = (await all(`${path}/versions`, {signal})).reverse();
       alias.draw(known.list);
@@ -61,20 +62,23 @@ export async function show(main, [name], signal) {
     h("div", {class: "split"},
       h("section", {class: "card", id: "exemplars"}, h("h2", {}, "Exemplars"), upload(page), exemplars.node),
       h("div", {},
-        h("section", {class: "card", id: "training", tabindex: "-1", "aria-label": "Training"}, h("h2", {}, "Training"), training(page, () => refresh()), live, last),
-        h("section", {class: "card", id: "versions-card", tabindex: "-1", "aria-label": "Versions"}, h("h2", {}, "Versions"), versions, alias.node, takeIn(page)),
+        h("section", {class: "card", id: "training", tabindex: "-1", "aria-label": "Training"}, h("h2", {}, "Training"),
+          training(page, () => refresh()), live, last),
+        h("section", {class: "card", id: "versions-card", tabindex: "-1", "aria-label": "Versions"}, h("h2", {}, "Versions"), versions,
+          alias.node, takeIn(page)),
         h("section", {class: "card"}, h("h2", {}, "Delete"),
           h("p", {class: "muted"}, "With its exemplars, versions and aliases, at once and for good."),
           act("Delete this database", async () => {
-            if (!await confirm(`Delete ${name}?`, "Its exemplars, versions and aliases go with it, and robots that ask it are answered 404.", "Delete it", name)) return;
+            if (!await confirm(`Delete ${name}?`,
+              "Its exemplars, versions and aliases go with it, and robots that ask it are answered 404.", "Delete it", name)) return;
             await remove(path);
             if (!signal.aborted) location.hash = "#/";
           }, {kind: "danger", id: "delete-database"})))));
   await refresh();
-  keepFresh(refresh, signal, (error) => replace(fault, error && problem(error)));
+  poll(refresh, signal, (error) => replace(fault, error && problem(error)));
 }
 
-// On a phone the exemplars come first, and what is below them is far.
+// On a phone the exemplars come first: buttons that scroll to what is below them.
 function jumps() {
   const to = (id, text) => h("button", {type: "button", class: "quiet small", onClick() {
     const section = document.getElementById(id);
@@ -84,7 +88,7 @@ function jumps() {
   return h("p", {class: "row narrow"}, to("training", "To training"), to("versions-card", "To versions"));
 }
 
-// What it holds, who answers, and the next step when there is one.
+// Kind, counts, current version, and the next step when there is one.
 function summaryOf({name, kind, exemplars, labels, current_version: current, busy}) {
   const next = !exemplars ? "It has no exemplars yet: add pictures below, one folder for each label."
     : !current && !busy ? "No version answers yet: train, or make a version current." : null;
@@ -98,13 +102,15 @@ function summaryOf({name, kind, exemplars, labels, current_version: current, bus
 function lastTraining(job) {
   if (!job.finished_at) return job.state === "none" && h("p", {class: "muted"}, "Never trained yet.");
   const seconds = job.started_at && (new Date(job.finished_at) - new Date(job.started_at)) / 1000;
-  return h("p", {class: job.state === "failed" ? "problem" : "muted"}, "Last: ", state(job.state), " ", time(job.finished_at), seconds ? ` after ${seconds.toFixed(1)} s` : "", ". ", outcome(job));
+  return h("p", {class: job.state === "failed" ? "problem" : "muted"}, "Last: ", state(job.state), " ", time(job.finished_at),
+    seconds ? ` after ${seconds.toFixed(1)} s` : "", ". ", outcome(job));
 }
 
 function versionTable(page, {versions, detail}) {
   const current = detail.current_version;
   if (!versions.length) return h("p", {class: "muted"}, "None yet: train, or take in a file of one.");
-  return h("ul", {class: "plain versions"}, versions.map((version) => versionItem(page, version, current, detail.aliases.filter((alias) => alias.version === version.version))));
+  return h("ul", {class: "plain versions"},
+    versions.map((version) => versionItem(page, version, current, detail.aliases.filter((alias) => alias.version === version.version))));
 }
 
 function versionItem(page, {version, created_at: at, counts, report}, current, aliases) {
@@ -118,26 +124,32 @@ function versionItem(page, {version, created_at: at, counts, report}, current, a
     h("div", {class: "row"}, h("strong", {}, versionLink(page.name, version)),
       aliases.map((alias) => h("span", {class: "alias"}, state(alias.alias),
         alias.alias === "current" ? null : act("×", async () => {
-          if (!await confirm(`Remove the alias ${alias.alias}?`, "Robots that ask for it are answered 404 until it points to a version again.", "Remove it")) return;
+          if (!await confirm(`Remove the alias ${alias.alias}?`,
+            "Robots that ask for it are answered 404 until it points to a version again.", "Remove it")) return;
           await remove(`${page.path}/aliases/${encodeURIComponent(alias.alias)}`);
           await page.refresh();
         }, {kind: "quiet small", "aria-label": `Remove alias ${alias.alias}`})))),
     h("p", {class: "muted"}, time(at), ` · ${count(counts.exemplars, "exemplar")} of ${count(counts.labels, "label")}`),
     h("p", {}, headline(report)),
     h("div", {class: "row"},
-      answers ? null : act(current && version < current ? `Roll back to version ${version}` : `Make version ${version} current`, point, {kind: "small"}),
-      answers || !current ? null : h("a", {href: `#/versions/${encodeURIComponent(page.name)}/${current}/${version}`, "aria-label": `Compare with ${current}: version ${version}`}, `Compare with ${current}`),
+      answers ? null : act(current && version < current ? `Roll back to version ${version}` : `Make version ${version} current`, point,
+        {kind: "small"}),
+      answers || !current ? null : h("a",
+        {href: `#/versions/${encodeURIComponent(page.name)}/${current}/${version}`,
+          "aria-label": `Compare with ${current}: version ${version}`}, `Compare with ${current}`),
       aliases.length ? null : act("Delete", async () => {
-        if (!await confirm(`Delete version ${version}?`, "Its artifact goes with it; a training with the same exemplars and options makes it again.", "Delete it")) return;
+        if (!await confirm(`Delete version ${version}?`,
+          "Its artifact goes with it; a training with the same exemplars and options makes it again.", "Delete it")) return;
         await remove(`${page.path}/versions/${version}`);
         await page.refresh();
       }, {kind: "quiet small", "aria-label": `Delete version ${version}`})));
 }
 
-// It stays while the list above it is drawn again, with what was typed.
+// Not part of the list that is drawn again, so that typed text stays.
 function aliasForm(page) {
   const place = h("div");
-  const alias = h("input", {id: "alias-name", name: "alias", required: true, maxlength: "64", pattern: NAME, placeholder: "stable", autocomplete: "off", spellcheck: "false"});
+  const alias = h("input", {id: "alias-name", name: "alias", required: true, maxlength: "64", pattern: NAME, placeholder: "stable",
+    autocomplete: "off", spellcheck: "false"});
   const version = h("select", {id: "alias-version", name: "version"});
   const form = h("form", {hidden: true, onSubmit: (event) => event.preventDefault()},
     h("h3", {}, "Point an alias"),

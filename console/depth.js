@@ -10,17 +10,28 @@ import {lensOf} from "./optics.js";
 import {opticsFigure} from "./optics_figure.js";
 import {pointCloud} from "./point_cloud.js";
 import {readNpy} from "./npy.js";
-import {loaded} from "./seen.js";
+import {loaded} from "./frame_view.js";
 
 const LAST = "landmarkd-optics";
-// A 35 mm lens at f/8 looking half a metre far: measures from 500 to 583 mm with a largest blur of 5 px.
+// A 35 mm lens at f/8: a working range of 500 to 583 mm with a largest blur of 5 px.
 const EXAMPLE = {focal_length_mm: 35, f_number: 8, near_focus_mm: 500, plane_separation_mm: 0.4, pixel_pitch_um: 10, telecentric: true};
 const MOST_POINTS = 120000;
-// The pair stays while other pages are looked at.
+// Kept while other pages are shown.
 const pair = {near: null, far: null};
 
-const lastOptics = () => { try { return {...JSON.parse(localStorage.getItem(LAST) ?? "null") ?? EXAMPLE}; } catch { return {...EXAMPLE}; } };
-const remember = (optics) => { try { localStorage.setItem(LAST, JSON.stringify(optics)); } catch { /* a browser that keeps nothing */ } };
+function lastOptics() {
+  try {
+    return {...JSON.parse(localStorage.getItem(LAST) ?? "null") ?? EXAMPLE};
+  } catch {
+    return {...EXAMPLE};
+  }
+}
+
+function remember(optics) {
+  try {
+    localStorage.setItem(LAST, JSON.stringify(optics));
+  } catch { /* this browser stores nothing */ }
+}
 
 // One picture of the pair: a preview, and where to drop another.
 function pictureChoice(role, title, hint, onChange, signal) {
@@ -52,7 +63,8 @@ function opticsForm(calibrations, onChange) {
   const byHand = h("div", {class: "fields"},
     numberField("Focal length, mm", "focal_length_mm", last.focal_length_mm, {min: 0}),
     either("aperture", last.f_number ?? last.aperture_mm, "How wide the lens is."),
-    either("sensor", last.near_focus_mm ?? last.near_plane_mm, "What the near-focused picture is sharp at, or its sensor's distance from the lens."),
+    either("sensor", last.near_focus_mm ?? last.near_plane_mm,
+      "What the near-focused picture is sharp at, or its sensor's distance from the lens."),
     numberField("Sensors apart, mm", "plane_separation_mm", last.plane_separation_mm,
       {min: 0, hint: "How much nearer to the lens the far-focused picture's sensor stands."}),
     numberField("Pixel pitch, µm", "pixel_pitch_um", last.pixel_pitch_um, {min: 0}),
@@ -61,7 +73,8 @@ function opticsForm(calibrations, onChange) {
     checkField("Telecentric stop", "telecentric", last.telecentric, "Keeps both pictures at one scale."));
   const stored = h("div", {});
   const source = calibrations.length
-    ? choiceField("Optics from", "calibration", [["", "this form"], ...calibrations.map(({name}) => [name, `calibration ${name}`])], "") : null;
+    ? choiceField("Optics from", "calibration", [["", "this form"], ...calibrations.map(({name}) => [name, `calibration ${name}`])], "")
+      : null;
   const form = h("form", {id: "optics-form", onSubmit: (event) => event.preventDefault()}, source, byHand, stored);
   const chosen = () => calibrations.find(({name}) => name === form.elements.calibration?.value);
   function read() {
@@ -78,14 +91,14 @@ function opticsForm(calibrations, onChange) {
   }
   let before = read();
   form.addEventListener("input", (event) => {
-    // Another way to say the same lens keeps the lens.
+    // Another unit for the same lens: the value is converted.
     if (/_kind$/.test(event.target.name)) {
       try {
         const lens = lensOf(before);
         const same = {f_number: lens.focalLength / lens.aperture, aperture_mm: lens.aperture, near_focus_mm: lens.nearFocus,
           near_plane_mm: lens.nearPlane}[event.target.value];
         form.elements[event.target.name.replace("kind", "value")].value = Number(same.toPrecision(10));
-      } catch { /* what can't be has no other way to be said */ }
+      } catch { /* impossible optics are not converted */ }
     }
     before = read();
     byHand.hidden = !!chosen();
@@ -98,8 +111,9 @@ function opticsForm(calibrations, onChange) {
     // The optics that the page draws with, and the part of the form that is sent.
     optics: () => chosen()?.optics ?? read(),
     part: () => chosen() ? ["calibration", chosen().name] : ["optics", JSON.stringify(read())],
-    mark: (error) => markFaults(form, {errors: (error?.errors ?? []).map(({pointer}) => ({pointer: pointer.replace(/f_number|aperture_mm/,
-      "aperture_value").replace(/near_focus_mm|near_plane_mm/, "sensor_value").replace(/principal_point_px/, "axis_x/axis_y")}))}),
+    mark: (error) => markFaults(form, {errors: (error?.errors ?? []).map(({pointer}) => ({
+      pointer: pointer.replace(/f_number|aperture_mm/, "aperture_value").replace(/near_focus_mm|near_plane_mm/, "sensor_value")
+        .replace(/principal_point_px/, "axis_x/axis_y")}))}),
   };
 }
 
@@ -107,8 +121,11 @@ function storedFacts({registration, table, residual, advice, image}) {
   return [
     h("ul", {},
       image && h("li", {}, `Pictures of ${image.width} × ${image.height} px, ${image.bits} bit.`),
-      h("li", {}, registration ? `Registered, ${number(registration.rms_px, 3)} px left.` : "Not registered: the scale follows from the optics."),
-      h("li", {}, table ? `Swept: ${table.depth_mm.length} planes, ${number(table.depth_mm[0], 1)} to ${number(table.depth_mm.at(-1), 1)} mm` : "Not swept: depths follow from the optics alone",
+      h("li", {}, registration ? `Registered, ${number(registration.rms_px, 3)} px left.`
+        : "Not registered: the scale follows from the optics."),
+      h("li", {}, table
+        ? `Swept: ${table.depth_mm.length} planes, ${number(table.depth_mm[0], 1)} to ${number(table.depth_mm.at(-1), 1)} mm`
+        : "Not swept: depths follow from the optics alone",
         residual ? `, ${number(residual.rms_mm)} mm left.` : ".")),
     advice.length ? h("div", {class: "note"}, h("ul", {}, advice.map((each) => h("li", {}, each)))) : null];
 }
@@ -150,7 +167,7 @@ function cloudOf(map, optics) {
   return points.length ? pointCloud(Float32Array.from(points), colours) : h("p", {class: "muted"}, "No points.");
 }
 
-// What was measured: the answer first, then the map with its profile and its points.
+// The result: the summary first, then the map with its profile and its point cloud.
 function results(summary, map, optics, files) {
   const {coverage, depth_mm: span, warnings} = summary;
   const typical = quantiles(map.sigma.filter((_, at) => !map.flags[at]), [0.5])?.[0];
@@ -165,11 +182,12 @@ function results(summary, map, optics, files) {
       warnings.map((word) => h("div", {class: "note"}, h("code", {}, word), " ", DEPTH_WARNINGS[word] ?? "")),
       h("dl", {class: "facts"},
         fact("Working range", `${number(summary.near_focus_mm, 1)} to ${number(summary.far_focus_mm, 1)} mm`),
-          fact("Largest blur", `${number(summary.largest_blur_px, 1)} px`),
-        fact("Noise", summary.noise_sigma === null ? "not told" : `${number(summary.noise_sigma)} of 255`),
-          fact("Shift taken out", `${summary.shift_px.map((px) => number(px)).join(", ")} px`), fact("Gain of far", number(summary.gain, 3)),
+        fact("Largest blur", `${number(summary.largest_blur_px, 1)} px`),
+        fact("Noise", summary.noise_sigma === null ? "unknown" : `${number(summary.noise_sigma)} of 255`),
+        fact("Shift taken out", `${summary.shift_px.map((px) => number(px)).join(", ")} px`),
+        fact("Gain of far", number(summary.gain, 3)),
         fact("Method", `${summary.method}, window ${summary.window}${summary.calibration ? `, calibration ${summary.calibration}` : ""}`),
-          fact("Time", `${number(summary.timings_ms.total, 1)} ms`)),
+        fact("Time", `${number(summary.timings_ms.total, 1)} ms`)),
       h("div", {class: "row"}, files)),
     h("div", {class: "split"},
       h("section", {class: "card"}, h("h2", {}, "Map"), view.map),
@@ -187,11 +205,14 @@ export async function show(main, parts, signal) {
   const keepFault = h("div", {});
   const keepName = textField("Name of the calibration", "name", "", {hint: "Letters, digits, - _ ."});
   const keeping = h("details", {}, h("summary", {}, "Keep these optics as a calibration"),
-    h("p", {class: "muted"}, "Workcells measure distances by a calibration. One of that name with other optics is replaced, and what was measured with it dropped."),
+    h("p", {class: "muted"},
+      "Workcells measure distances by a calibration. One of that name with other optics is replaced, "
+      + "and its registration and sweep are deleted."),
     keepName, act("Keep them", async () => {
       const name = keepName.querySelector("input").value.trim();
       if ((await all("v1/calibrations", {signal})).some((each) => each.name === name)
-        && !await confirm(`Replace the calibration ${name}?`, "There is one of that name. With other optics than its own, what was measured with it is dropped: its registration and its sweep.", "Replace it")) return;
+        && !await confirm(`Replace the calibration ${name}?`,
+          "There is one of that name. With other optics, its registration and its sweep are deleted.", "Replace it")) return;
       await put(`v1/calibrations/${encodeURIComponent(name)}`, optics.optics());
       toast(`Kept as the calibration ${name}.`);
     }, {place: keepFault, kind: "quiet"}), keepFault);
@@ -224,7 +245,8 @@ export async function show(main, parts, signal) {
     try {
       replace(result, h("p", {class: "muted", role: "status"}, "Measuring…"));
       const [summary, bytes, picture] = await Promise.all([
-        post("v1/depth-maps", {body: form(), signal: now}), asked("application/x-npy", "?planes=depth,sigma,flags").then((answer) => answer.arrayBuffer()),
+        post("v1/depth-maps", {body: form(), signal: now}),
+        asked("application/x-npy", "?planes=depth,sigma,flags").then((answer) => answer.arrayBuffer()),
         loaded(sent.near, "", now).catch(() => null)]);
       if (now.aborted) return;
       const {shape: [, height, width], data} = readNpy(bytes);
@@ -235,7 +257,7 @@ export async function show(main, parts, signal) {
         act("PNG, 16 bit", async () => {
           const answer = await asked("image/png");
           download(await answer.blob(), `${stem}-depth.png`);
-          toast(`Distance = grey level × ${answer.headers.get("X-Depth-Scale-Mm")} mm; 0 is unknown.`);
+          toast(`Distance = gray level × ${answer.headers.get("X-Depth-Scale-Mm")} mm; 0 is unknown.`);
         }, {kind: "quiet"}),
         act("NPY: depth, sigma, flags", async () => download(new Blob([bytes]), `${stem}-depth.npy`), {kind: "quiet"}),
         act("PLY: points, metres", async () => download(await (await asked("model/ply")).blob(), `${stem}.ply`), {kind: "quiet"})];
@@ -253,7 +275,8 @@ export async function show(main, parts, signal) {
     }
   }
   const measure = act("Measure", run, {place: fault, id: "measure", "aria-describedby": "measure-hint"});
-  const swap = act("Swap near and far", async () => { [pair.near, pair.far] = [pair.far, pair.near]; near.show(); far.show(); }, {kind: "quiet"});
+  const swap = act("Swap near and far", async () => { [pair.near, pair.far] = [pair.far, pair.near]; near.show(); far.show(); },
+    {kind: "quiet"});
   replace(main,
     h("h1", {}, "Depth"),
     h("p", {}, "Two pictures of one scene, one focused near and one far: how blurred each point is in both says how far it is."),

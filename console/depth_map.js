@@ -1,4 +1,4 @@
-// A depth map to look at: layers in false colours, the reading of any pixel, and the profile along a line.
+// The view of a depth map: layers in false colours, the reading of any pixel, and the profile along a line.
 
 import {h, picture, replace, svg} from "./dom.js";
 import {number} from "./parts.js";
@@ -11,17 +11,22 @@ const FLAGS = [
   {bit: 2, word: "saturated", colour: [250, 250, 250], why: "full scale within 8 px in either picture: expose less"},
   {bit: 1, word: "low_texture", colour: [90, 120, 230], why: "too little detail: more light, or a projected pattern"},
   {bit: 4, word: "out_of_range", colour: [240, 200, 40], why: "nearer or farther than the two focus distances"},
-  {bit: 8, word: "inconsistent", colour: [230, 70, 50], why: "no one depth explains it: an edge, motion, glint, or pictures out of register"},
+  {bit: 8, word: "inconsistent", colour: [230, 70, 50],
+    why: "no one depth explains it: an edge, motion, glint, or pictures out of register"},
   {bit: 32, word: "ambiguous", colour: [200, 80, 200], why: "a second depth explains it nearly as well: a fine regular pattern"},
 ];
 const flagsOf = (bits) => FLAGS.filter(({bit}) => bits & bit);
 
-// Doubts about a whole map.
+// Warnings about a whole map.
 export const DEPTH_WARNINGS = {
-  shifted: "The far-focused picture was displaced by more than 0.25 px and was moved back. A fixed rig should show less: register it in a calibration.",
-  shift_unknown: "No shift between the pictures could be looked for: the texture is too regular or too little to fix one. Distances are right only if the pictures are in register.",
-  gain_off: "The pictures' brightness differs by more than 3 %, and was matched: use one exposure for both, or calibrate with dark and flat pictures.",
-  many_inconsistent: "More than a fifth of the pixels with texture fit no depth: the scene moved between the pictures, they are out of register, or the optics aren't these.",
+  shifted: "The far-focused picture was displaced by more than 0.25 px and was moved back. "
+    + "A fixed rig should show less: register it in a calibration.",
+  shift_unknown: "The shift between the pictures is unknown: the texture is too regular or too little to fix one. "
+    + "Distances are right only if the pictures are in register.",
+  gain_off: "The pictures' brightness differs by more than 3 %, and was matched: use one exposure for both, "
+    + "or calibrate with dark and flat pictures.",
+  many_inconsistent: "More than a fifth of the pixels with texture fit no depth: the scene moved between the pictures, "
+    + "they are out of register, or the optics aren't these.",
   low_coverage: "Fewer than 5 % of the pixels have a distance: the layer Flags says why.",
   near_far_swapped: "The scales of the pictures say that near and far are exchanged: swap them and measure again.",
 };
@@ -29,19 +34,21 @@ export const DEPTH_WARNINGS = {
 const LAYERS = [["depth", "Depth"], ["sigma", "Uncertainty"], ["flags", "Flags"], ["coverage", "Coverage"]];
 const SPAN = [0.02, 0.98]; // as the service's previews: single wrong pixels don't take all colours
 
-// The scale of a ramp: a bar with ticks.
+// The legend of a colour map: a bar with ticks.
 function scaleBar(title, colour, [from, to]) {
   const [left, right] = [8, 392];
   const x = (value) => left + (right - left) * (to > from ? (value - from) / (to - from) : 0.5);
   return picture(`${title}: colours run from ${number(from, 2)} to ${number(to, 2)} mm`, 400, 38,
     Array.from({length: 64}, (_, k) => svg("rect", {x: left + k * 6, y: 2, width: 6.5, height: 14, fill: css(colour((k + 0.5) / 64))})),
     ticks(from, to, 5).map((value) => [svg("line", {x1: x(value), x2: x(value), y1: 16, y2: 21, class: "tick"}),
-      svg("text", {x: x(value), y: 34, "text-anchor": x(value) < 40 ? "start" : x(value) > 370 ? "end" : "middle"}, `${number(value, 3)} mm`)]));
+      svg("text", {x: x(value), y: 34, "text-anchor": x(value) < 40 ? "start" : x(value) > 370 ? "end" : "middle"},
+        `${number(value, 3)} mm`)]));
 }
 
 function swatches(rows) {
   return h("ul", {class: "swatches"}, rows.map(([colour, words, why]) => h("li", {},
-    h("span", {class: "swatch", style: {background: css(colour)}}), h("span", {}, words, why ? h("span", {class: "muted"}, ` – ${why}`) : null))));
+    h("span", {class: "swatch", style: {background: css(colour)}}),
+    h("span", {}, words, why ? h("span", {class: "muted"}, ` – ${why}`) : null))));
 }
 
 // The profile of depth along a line: the curve with its band of ± sigma, broken where nothing is known.
@@ -54,7 +61,8 @@ function profile(map, [x0, y0, x1, y1], focus) {
   });
   const known = samples.filter(({depth}) => Number.isFinite(depth));
   if (!known.length) return h("p", {class: "note"}, "No pixel on this line has a distance.");
-  let [least, most] = [Math.min(...known.map(({depth, sigma}) => depth - sigma)), Math.max(...known.map(({depth, sigma}) => depth + sigma))];
+  let [least, most] = [Math.min(...known.map(({depth, sigma}) => depth - sigma)),
+    Math.max(...known.map(({depth, sigma}) => depth + sigma))];
   const margin = Math.max((most - least) * 0.06, 0.1);
   [least, most] = [least - margin, most + margin];
   const [left, right, top, bottom] = [48, 414, 12, 196];
@@ -76,11 +84,13 @@ function profile(map, [x0, y0, x1, y1], focus) {
     ticks(least, most, 4).map((depth) => [svg("line", {x1: left, x2: right, y1: y(depth), y2: y(depth), class: "axis"}),
       svg("text", {x: left - 5, y: y(depth) + 4, "text-anchor": "end"}, number(depth, 2))]),
     ticks(0, length, 5).map((along) => svg("text", {x: x(along), y: bottom + 16, "text-anchor": "middle"}, number(along, 0))),
-    svg("text", {x: right, y: bottom + 34, "text-anchor": "end"}, "px along the line"), svg("text", {x: 2, y: bottom + 34}, "mm; band: ± sigma"),
-    focus.filter((depth) => depth > least && depth < most).map((depth) => svg("line", {x1: left, x2: right, y1: y(depth), y2: y(depth), class: "dashed"})),
+    svg("text", {x: right, y: bottom + 34, "text-anchor": "end"}, "px along the line"),
+    svg("text", {x: 2, y: bottom + 34}, "mm; band: ± sigma"),
+    focus.filter((depth) => depth > least && depth < most)
+      .map((depth) => svg("line", {x1: left, x2: right, y1: y(depth), y2: y(depth), class: "dashed"})),
     runs.filter((run) => run.length).map((run) => [
-      svg("polygon", {points: [...points(run, ({depth, sigma}) => depth + sigma), ...points(run, ({depth, sigma}) => depth - sigma).reverse()].join(" "),
-        class: "band"}),
+      svg("polygon", {points: [...points(run, ({depth, sigma}) => depth + sigma),
+        ...points(run, ({depth, sigma}) => depth - sigma).reverse()].join(" "), class: "band"}),
       svg("polyline", {points: points(run, ({depth}) => depth).join(" "), class: "curve near"})])), h("p", {class: "muted"}, words)];
 }
 
@@ -89,8 +99,8 @@ function profile(map, [x0, y0, x1, y1], focus) {
 export function depthMapView(map, focus) {
   const {width, height} = map;
   const canvas = h("canvas", {width, height, tabindex: 0, role: "application",
-    "aria-label": "Depth map: arrow keys move the cursor, with Shift by ten; Enter begins and ends a line", "aria-describedby": "depth-reading",
-    id: "depth-canvas"});
+    "aria-label": "Depth map: arrow keys move the cursor, with Shift by ten; Enter begins and ends a line",
+    "aria-describedby": "depth-reading", id: "depth-canvas"});
   const marks = svg("svg", {viewBox: `0 0 ${width} ${height}`, preserveAspectRatio: "none", "aria-hidden": "true"});
   const reading = h("output", {id: "depth-reading", "aria-live": "polite"});
   const legend = h("div", {id: "depth-legend"});
@@ -99,12 +109,12 @@ export function depthMapView(map, focus) {
   let ends = [Math.round(width * 0.1), height >> 1, Math.round(width * 0.9), height >> 1];
   let begun = null;
 
-  const grey = new Uint8Array(width * height).fill(70);
+  const gray = new Uint8Array(width * height).fill(70);
   if (map.near) {
     const scratch = new OffscreenCanvas(width, height).getContext("2d");
     scratch.drawImage(map.near, 0, 0, width, height);
     const {data} = scratch.getImageData(0, 0, width, height);
-    for (let at = 0; at < grey.length; at += 1) grey[at] = 0.3 * data[4 * at] + 0.59 * data[4 * at + 1] + 0.11 * data[4 * at + 2];
+    for (let at = 0; at < gray.length; at += 1) gray[at] = 0.3 * data[4 * at] + 0.59 * data[4 * at + 1] + 0.11 * data[4 * at + 2];
   }
   const depthSpan = quantiles(map.depth, SPAN) ?? focus;
   const sigmaSpan = [0, quantiles(map.sigma.filter((_, at) => !map.flags[at]), [SPAN[1]])?.[0] || 1];
@@ -114,15 +124,15 @@ export function depthMapView(map, focus) {
   const colours = {
     depth: (at) => Number.isFinite(map.depth[at]) ? depthColour(map.depth[at]) : 0,
     sigma: (at) => !map.flags[at] && Number.isFinite(map.sigma[at]) ? sigmaColour(map.sigma[at]) : 0,
-    flags: (at) => flagColours[map.flags[at] & 63] || packed([grey[at] >> 1, grey[at] >> 1, grey[at] >> 1]),
-    coverage: (at) => map.flags[at] ? 0 : packed([grey[at] >> 1, 60 + grey[at] * 0.7, 50 + (grey[at] >> 1)]),
+    flags: (at) => flagColours[map.flags[at] & 63] || packed([gray[at] >> 1, gray[at] >> 1, gray[at] >> 1]),
+    coverage: (at) => map.flags[at] ? 0 : packed([gray[at] >> 1, 60 + gray[at] * 0.7, 50 + (gray[at] >> 1)]),
   };
   const share = (count) => `${number(100 * count / (width * height), 1)} %`;
   const legends = {
     depth: () => [scaleBar("Depth", nearToFar, depthSpan), h("p", {class: "muted"}, "Checked: no distance there.")],
     sigma: () => quantiles(map.sigma, [0.5]) ? [scaleBar("Uncertainty", littleToMuch, sigmaSpan),
       h("p", {class: "muted"}, "The standard deviation that the method expects of each distance: texture, noise and window decide it.")]
-      : h("p", {class: "note"}, "This method has no model of its error: it tells no uncertainty."),
+      : h("p", {class: "note"}, "This method has no model of its error: it gives no uncertainty."),
     flags: () => swatches(FLAGS.map(({word, bit, colour, why}) => [colour,
       [h("strong", {}, word), ` (bit ${bit}): ${number(map.counts[word] ?? 0, 0)} px, ${share(map.counts[word] ?? 0)}`], why])),
     coverage: () => swatches([[[60, 190, 120], `has a distance: ${share(map.flags.reduce((sum, bits) => sum + (bits === 0), 0))}`],
@@ -150,7 +160,7 @@ export function depthMapView(map, focus) {
     replace(reading, h("span", {class: "muted"}, `x ${cursor.x}, y ${cursor.y}: `),
       h("strong", {}, Number.isFinite(depth) ? `${number(depth, 2)} mm` : "no distance"),
       !Number.isFinite(sigma) ? "" : bits ? ` (it would be ± ${number(sigma, 2)} mm)` : ` ± ${number(sigma, 2)} mm`,
-        bits ? ` · ${flagsOf(bits).map(({word, why}) => `${word}: ${why}`).join("; ")}` : "");
+      bits ? ` · ${flagsOf(bits).map(({word, why}) => `${word}: ${why}`).join("; ")}` : "");
   }
   const fields = ["from x", "from y", "to x", "to y"].map((label, k) => h("label", {}, label, " ",
     h("input", {type: "number", min: 0, max: (k % 2 ? height : width) - 1, step: 1,
@@ -169,13 +179,22 @@ export function depthMapView(map, focus) {
     read();
   }
   const pixel = (event) => [event.offsetX / canvas.clientWidth * width - 0.5, event.offsetY / canvas.clientHeight * height - 0.5];
-  canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); moveTo(...pixel(event)); canvas.dataset.from = `${cursor.x} ${cursor.y}`; });
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    moveTo(...pixel(event));
+    canvas.dataset.from = `${cursor.x} ${cursor.y}`;
+  });
   canvas.addEventListener("pointermove", (event) => {
     const [x, y] = pixel(event);
     if (canvas.dataset.from && !begun && Math.hypot(x - cursor.x, y - cursor.y) > 2) begun = canvas.dataset.from.split(" ").map(Number);
     if (!canvas.dataset.from || begun) moveTo(x, y);
   });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { if (canvas.dataset.from) begun = null; delete canvas.dataset.from; });
+  for (const end of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(end, () => {
+      if (canvas.dataset.from) begun = null;
+      delete canvas.dataset.from;
+    });
+  }
   canvas.addEventListener("keydown", (event) => {
     const step = event.shiftKey ? 10 : 1;
     const moves = {ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step]};
@@ -187,14 +206,16 @@ export function depthMapView(map, focus) {
   });
 
   const layers = h("fieldset", {class: "choices"}, h("legend", {}, "Layer"), LAYERS.map(([layer, words]) =>
-    h("label", {}, h("input", {type: "radio", name: "layer", value: layer, checked: layer === "depth", onChange: () => paint(layer)}), ` ${words}`)));
+    h("label", {}, h("input", {type: "radio", name: "layer", value: layer, checked: layer === "depth", onChange: () => paint(layer)}),
+      ` ${words}`)));
   paint("depth");
   setLine(ends);
   read();
   return {
     map: h("div", {}, layers, h("div", {class: "depth-canvas"}, canvas, marks), h("p", {class: "reading"}, reading), legend),
     profile: h("div", {class: "depth-profile"},
-      h("p", {class: "muted"}, "Draw a line on the map with the mouse, or give its ends; on the map Enter begins a line at the cursor and ends it."),
+      h("p", {class: "muted"},
+        "Draw a line on the map with the mouse, or give its ends; on the map Enter begins a line at the cursor and ends it."),
       h("div", {class: "ends"}, fields), chart),
   };
 }

@@ -20,7 +20,7 @@ export const h = (tag, props, ...children) => fill(document.createElement(tag), 
 
 export const svg = (tag, props, ...children) => fill(document.createElementNS(SVG, tag), props, children);
 
-// An SVG picture with a title that readers of the screen are told.
+// An SVG picture; screen readers read its title.
 export function picture(title, width, height, ...children) {
   return svg("svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": title, class: "chart"}, ...children);
 }
@@ -30,8 +30,8 @@ export function replace(node, ...children) {
   return node;
 }
 
-// Draws `place` anew when what it shows changed, and only then; the focus stays on what had it.
-export function steady(place, draw) {
+// A function that draws `place` again when its data changed, and only then; the focus stays on the element that had it.
+export function drawOnChange(place, draw) {
   let shown;
   return (data) => {
     const now = JSON.stringify(data);
@@ -40,7 +40,8 @@ export function steady(place, draw) {
     const held = place.contains(document.activeElement) ? document.activeElement : null;
     replace(place, draw(data));
     if (!held || place.contains(held)) return;
-    const same = (other) => other.textContent === held.textContent && ["href", "id", "aria-label", "name"].every((name) => other.getAttribute(name) === held.getAttribute(name));
+    const same = (other) => other.textContent === held.textContent
+      && ["href", "id", "aria-label", "name"].every((name) => other.getAttribute(name) === held.getAttribute(name));
     [...place.querySelectorAll(held.tagName)].find(same)?.focus({preventScroll: true});
   };
 }

@@ -6,7 +6,7 @@ import {act, confirm, count, remotePicture} from "./parts.js";
 
 const SHOWN_PER_LABEL = window.matchMedia("(max-width: 48rem)").matches ? 3 : 10;
 
-// The exemplars by label. What is there stays as it is when the list is drawn again: pictures are fetched once.
+// The exemplars by label. Elements that are there stay when the list is drawn again, so that pictures are fetched once.
 export function exemplarList(page) {
   const groups = new Map();
   const note = h("p", {class: "muted"});
@@ -14,7 +14,8 @@ export function exemplarList(page) {
   function draw(list, counted) {
     const byLabel = grouped(list, (exemplar) => exemplar.label);
     const labels = [...byLabel.keys()].sort((a, b) => a.localeCompare(b, "en", {numeric: true}));
-    replace(note, list.length < counted ? `The first ${count(list.length, "exemplar")} of ${counted.toLocaleString("en")} are shown.` : !list.length && "None yet.");
+    replace(note, list.length < counted ? `The first ${count(list.length, "exemplar")} of ${counted.toLocaleString("en")} are shown.`
+      : !list.length && "None yet.");
     for (const [label, group] of groups) {
       if (byLabel.has(label)) continue;
       group.node.remove();
@@ -41,7 +42,8 @@ function labelGroup(page, label) {
   const figures = new Map();
   const thumbs = h("div", {class: "thumbs"});
   const title = h("h3", {});
-  const more = act("Show more", () => { most += 4 * SHOWN_PER_LABEL; draw(list); }, {kind: "quiet small", "aria-label": `Show more of ${label}`});
+  const more = act("Show more", () => { most += 4 * SHOWN_PER_LABEL; draw(list); },
+    {kind: "quiet small", "aria-label": `Show more of ${label}`});
   let most = SHOWN_PER_LABEL;
   let list = [];
   function draw(given) {
@@ -63,7 +65,8 @@ function labelGroup(page, label) {
   }
   const node = h("section", {class: "label-group", "aria-label": `Exemplars of ${label}`},
     h("div", {class: "row spread"}, title, act("Delete label", async () => {
-      if (!await confirm(`Delete all ${list.length} exemplars of ${label}?`, "Versions that were trained with them stay as they are; the next training does without.", "Delete them")) return;
+      if (!await confirm(`Delete all ${list.length} exemplars of ${label}?`,
+        "Versions that were trained with them stay as they are; the next training does without.", "Delete them")) return;
       await remove(`${page.path}/exemplars?label=${encodeURIComponent(label)}`);
       await page.refresh();
     }, {kind: "quiet small", "aria-label": `Delete label ${label}`})), thumbs, more);
@@ -71,14 +74,15 @@ function labelGroup(page, label) {
 }
 
 function exemplarFigure(page, {id, label, pose_deg: pose, width_px: width, height_px: height, created_at: at, media_type: type, header}) {
-  const said = `${label}${pose === null ? "" : ` at ${pose}°`}`;
-  const told = `${said}, ${width} × ${height} px ${type}, ${new Date(at).toLocaleString()}${header.robot_id ? `, from ${header.robot_id}` : ""}`;
+  const name = `${label}${pose === null ? "" : ` at ${pose}°`}`;
+  const sender = header.robot_id ? `, from ${header.robot_id}` : "";
+  const details = `${name}, ${width} × ${height} px ${type}, ${new Date(at).toLocaleString()}${sender}`;
   return h("figure", {class: "exemplar"},
-    remotePicture(`${page.path}/exemplars/${id}/image`, said, page.signal, {title: told}),
+    remotePicture(`${page.path}/exemplars/${id}/image`, name, page.signal, {title: details}),
     pose === null ? null : h("figcaption", {}, `${pose}°`),
     act("×", async () => {
-      if (!await confirm("Delete this exemplar?", `${told}. Versions that were trained with it stay as they are.`, "Delete it")) return;
+      if (!await confirm("Delete this exemplar?", `${details}. Versions that were trained with it stay as they are.`, "Delete it")) return;
       await remove(`${page.path}/exemplars/${id}`);
       await page.refresh();
-    }, {kind: "danger small", "aria-label": `Delete this exemplar of ${said}`}));
+    }, {kind: "danger small", "aria-label": `Delete this exemplar of ${name}`}));
 }

@@ -1,4 +1,4 @@
-// Labelled inputs of forms, and the mark on those that a refusal names.
+// Labelled inputs of forms, and the mark on those that an error names.
 
 import {h} from "./dom.js";
 
@@ -21,7 +21,8 @@ export const textField = (label, name, value, {hint, ...props} = {}) =>
 
 // `options` are [value, words].
 export const choiceField = (label, name, options, value, {hint, ...props} = {}) =>
-  labelled(label, h("select", {name, ...props}, options.map(([each, words]) => h("option", {value: each, selected: each === value}, words))), hint);
+  labelled(label, h("select", {name, ...props},
+    options.map(([each, words]) => h("option", {value: each, selected: each === value}, words))), hint);
 
 export const checkField = (label, name, checked, hint) => {
   const input = h("input", {type: "checkbox", name, checked});
@@ -35,7 +36,7 @@ export const numberIn = (form, name) => {
   return text === "" ? undefined : Number(text);
 };
 
-// Marks the fields whose names end the pointers of a refusal, and unmarks the others.
+// Marks the fields whose names are in the pointers of an error, and unmarks the others.
 export function markFaults(form, error) {
   const wrong = new Set((error?.errors ?? []).flatMap(({pointer}) => pointer.split(/[/#]/)));
   for (const field of form.elements) {

@@ -1,5 +1,4 @@
-// What an inspection says of the table: the parts on the picture and in a table, each pointing at the other, and why each
-// was named, or not.
+// The result of an inspection: the parts on the picture and in a table, linked to each other, and the evidence for each.
 
 import {h, replace, svg} from "./dom.js";
 import {number} from "./parts.js";
@@ -8,9 +7,10 @@ import {OBJECT_WARNINGS} from "./warnings.js";
 import {mapped, overlaid, pixelOf} from "./workcell_form.js";
 
 const WARNINGS = {
-  no_region: "Nothing stands out from the ground: look at the threshold and whether objects are lighter or darker.",
-  more_regions: "More stands out than “most objects” lets through: the largest are told.",
-  not_segmented: "The version was trained without segment: its pictures were made by another recipe than the parts are cut out by. Train it with segment.",
+  no_region: "Nothing stands out from the background: check the threshold and whether objects are lighter or darker.",
+  more_regions: "More stands out than “most objects” lets through: the largest are reported.",
+  not_segmented: "The version was trained without segment, so its exemplars were normalised differently from the parts. "
+    + "Train it with segment.",
   no_region_in_pair: "Nothing stands out in the near-focused picture, so that no part got its distance.",
 };
 
@@ -30,8 +30,8 @@ function drawing({region, decision, pose}, scale) {
   if (region.orientation_deg !== null) {
     const turn = region.orientation_deg * Math.PI / 180;
     const half = Math.sqrt(region.area_px * region.elongation / Math.PI); // of an ellipse: the longer half axis
-    shapes.push(["line", {x1: x - half * Math.cos(turn), y1: y - half * Math.sin(turn), x2: x + half * Math.cos(turn), y2: y + half * Math.sin(turn),
-      class: "principal"}]);
+    const [dx, dy] = [half * Math.cos(turn), half * Math.sin(turn)];
+    shapes.push(["line", {x1: x - dx, y1: y - dy, x2: x + dx, y2: y + dy, class: "principal"}]);
   }
   if (pose) {
     const turn = -pose.turn_deg * Math.PI / 180;
@@ -49,7 +49,8 @@ function axes(matrix, {naturalWidth: width, naturalHeight: height}) {
   const middle = [width / 2, height / 2];
   const robot = mapped(matrix, middle);
   const [[a, b, c], [d, e, f], [g, k, l]] = matrix;
-  const inverse = [[e * l - f * k, c * k - b * l, b * f - c * e], [f * g - d * l, a * l - c * g, c * d - a * f], [d * k - e * g, b * g - a * k, a * e - b * d]];
+  const inverse = [[e * l - f * k, c * k - b * l, b * f - c * e], [f * g - d * l, a * l - c * g, c * d - a * f],
+    [d * k - e * g, b * g - a * k, a * e - b * d]];
   if (!robot) return null;
   return svg("g", {class: "axes"}, [["X", [robot[0] + 100, robot[1]]], ["Y", [robot[0], robot[1] + 100]]].map(([name, mm]) => {
     const [x, y] = mapped(inverse, mm);
@@ -58,25 +59,27 @@ function axes(matrix, {naturalWidth: width, naturalHeight: height}) {
   }));
 }
 
-// What is said of a part, in words.
+// The answer about a part, in sentences.
 function sentences({decision, pose, distance_mm: distance, distance_sigma_mm: sigma, distance_coverage: coverage}) {
-  const told = [];
-  if (!decision) told.push("It is not named: nothing is to be done with it as if it were known.");
-  else told.push(decision.confidence === null ? "Named, without a confidence." : `Right with a chance of ${percent(decision.confidence)}.`);
+  const found = [];
+  if (!decision) found.push("Unknown: don't treat it as a known part.");
+  else found.push(decision.confidence === null ? "Named, without a confidence."
+    : `Right with a chance of ${percent(decision.confidence)}.`);
   if (pose) {
-    told.push(`Turned by ${angle(pose.turn_deg)} ± ${tenths(pose.sigma_deg)}°${pose.reliable ? "." : ": not to be acted on."}`);
-    if (pose.alternative_deg !== undefined) told.push(`${angle(pose.alternative_deg)} would look the same.`);
+    found.push(`Turned by ${angle(pose.turn_deg)} ± ${tenths(pose.sigma_deg)}°${pose.reliable ? "." : ": not reliable."}`);
+    if (pose.alternative_deg !== undefined) found.push(`${angle(pose.alternative_deg)} would look the same.`);
   }
   if (distance !== null) {
-    told.push(`${tenths(distance)} mm away${sigma === null ? "" : ` ± ${tenths(sigma)} mm`}; ${number(100 * coverage, 0)} % of its pixels say so.`);
+    const plusMinus = sigma === null ? "" : ` ± ${tenths(sigma)} mm`;
+    found.push(`${tenths(distance)} mm away${plusMinus}, by ${number(100 * coverage, 0)} % of its pixels.`);
   }
-  return told;
+  return found;
 }
 
-// Why a part was named or not: its cut-out, what it is like, and what makes the answer doubtful.
+// The evidence for a part: its crop, its candidates, and the warnings.
 function reasons(part, image) {
   const [left, top, width, height] = part.region.bbox_px;
-  const cut = h("canvas", {width, height, class: "cut", role: "img", "aria-label": `Part ${part.region.id} cut out of the overview`});
+  const cut = h("canvas", {width, height, class: "cut", role: "img", "aria-label": `Part ${part.region.id}, cropped from the overview`});
   cut.getContext("2d").drawImage(image, left, top, width, height, 0, 0, width, height);
   return [
     h("h3", {}, `Part ${part.region.id}: `, named(part)),
@@ -87,13 +90,14 @@ function reasons(part, image) {
     part.candidates.length ? h("table", {}, h("caption", {class: "visually-hidden"}, "What it was compared with"),
       h("thead", {}, h("tr", {}, h("th", {}, "Like"), h("th", {class: "n"}, "distance"), h("th", {class: "n"}, "accepted to"),
         h("th", {class: "n"}, "part of it"))),
-      h("tbody", {}, part.candidates.map((candidate) => h("tr", {}, h("td", {}, candidate.label), h("td", {class: "n"}, number(total(candidate), 3)),
+      h("tbody", {}, part.candidates.map((candidate) => h("tr", {}, h("td", {}, candidate.label),
+        h("td", {class: "n"}, number(total(candidate), 3)),
         h("td", {class: "n"}, number(candidate.threshold, 3)),
         h("td", {class: "n"}, candidate.threshold ? `${number(100 * total(candidate) / candidate.threshold, 0)} %` : "–"))))) : null,
   ];
 }
 
-// `image` is the overview as a loaded <img>, `mapping` the workcell's.
+// `image` is the overview as a loaded <img>, `mapping` that of the workcell.
 export function inspectionView(answer, image, mapping) {
   const {objects, width_px: width, height_px: height} = answer;
   const scale = width / 640;
@@ -125,9 +129,11 @@ export function inspectionView(answer, image, mapping) {
       h("td", {}, h("button", {type: "button", class: "quiet small", "aria-pressed": "false", "aria-label": `Part ${id}: ${named(part)}`,
         onFocus: () => hover(id, true), onBlur: () => hover(id, false)}, String(id))),
       h("td", {}, part.decision ? [h("strong", {}, part.decision.label),
-        part.decision.confidence === null ? "" : ` ${percent(part.decision.confidence)}`] : h("span", {class: "state degraded"}, "unknown")),
+        part.decision.confidence === null ? "" : ` ${percent(part.decision.confidence)}`]
+          : h("span", {class: "state degraded"}, "unknown")),
       h("td", {class: "n"}, tenths(mm?.[0])), h("td", {class: "n"}, tenths(mm?.[1])), h("td", {class: "n"}, angle(part.robot_deg)),
-      h("td", {class: "n"}, part.pose ? [angle(part.pose.turn_deg), part.pose.reliable ? ` ± ${tenths(part.pose.sigma_deg)}°` : " unsure"] : "–"),
+      h("td", {class: "n"},
+        part.pose ? [angle(part.pose.turn_deg), part.pose.reliable ? ` ± ${tenths(part.pose.sigma_deg)}°` : " unsure"] : "–"),
       h("td", {class: "n"}, part.distance_mm === null ? "–" : [tenths(part.distance_mm),
         part.distance_sigma_mm === null ? "" : ` ± ${tenths(part.distance_sigma_mm)}`])));
   }
@@ -146,10 +152,13 @@ export function inspectionView(answer, image, mapping) {
     h("p", {class: "answer", role: "status"}, h("strong", {}, objects.length ? `${known} named, ${strange} unknown` : "Nothing stands out"),
       `: ${answer.regions_found} regions in ${number(answer.timings_ms.total, 0)} ms, by ${answer.database} version ${answer.version}`,
       answer.calibration ? `, distances by ${answer.calibration}.` : "."),
-    answer.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ", WARNINGS[word] ?? DEPTH_WARNINGS[word.replace("depth_", "")] ?? "")),
+    answer.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ",
+      WARNINGS[word] ?? DEPTH_WARNINGS[word.replace("depth_", "")] ?? "")),
     h("div", {class: "split"},
       h("div", {}, picture, h("p", {}, pointed),
-        h("p", {class: "muted"}, "Box and thin line: region and its principal axis. Arrow: pose, counter-clockwise from the picture's right; dashed where it isn't to be acted on. X and Y: the robot's axes, 100 mm.")),
+        h("p", {class: "muted"},
+          "Box and thin line: region and its principal axis. Arrow: pose, counter-clockwise from the picture's right; "
+          + "dashed where it isn't reliable. X and Y: the robot's axes, 100 mm.")),
       h("div", {class: "scroll"}, why)),
     h("div", {class: "scroll"}, h("table", {id: "parts"},
       h("thead", {}, h("tr", {}, h("th", {}, "Part"), h("th", {}, "What"),

@@ -11,7 +11,9 @@ export function readNpy(buffer) {
   const [length, start] = view.getUint8(6) === 1 ? [view.getUint16(8, true), 10] : [view.getUint32(8, true), 12];
   const header = new TextDecoder("latin1").decode(new Uint8Array(buffer, start, length));
   const shape = header.match(/'shape': \(([^)]*)\)/)?.[1].split(",").map((side) => side.trim()).filter(Boolean).map(Number);
-  if (!shape || !header.includes("'<f4'") || !header.includes("'fortran_order': False")) throw new Error(`The array isn't float32 in C order: ${header.trim()}`);
+  if (!shape || !header.includes("'<f4'") || !header.includes("'fortran_order': False")) {
+    throw new Error(`The array isn't float32 in C order: ${header.trim()}`);
+  }
   const count = shape.reduce((product, side) => product * side, 1);
   const at = start + length;
   return {shape, data: new Float32Array(at % 4 ? buffer.slice(at) : buffer, at % 4 ? 0 : at, count)};

@@ -1,5 +1,4 @@
-// The optics drawn: where the two focus planes lie, how a point's light meets the sensors, and how large its blur is at
-// every distance.
+// The figure of the optics: the two focus planes, the rays from a point to the sensors, and the blur against distance.
 
 import {h, picture, replace, svg} from "./dom.js";
 import {number} from "./parts.js";
@@ -15,21 +14,25 @@ function scene(lens, u, most) {
   const [axis, at, high, farSensor, nearSensor, end] = [118, 272, 60, 356, 436, 464];
   const x = (distance) => at - 262 * distance / most;
   const behind = (v) => Math.min(Math.max(farSensor + (v - lens.farPlane) / lens.separation * (nearSensor - farSensor), at + 15), 600);
-  const sharp = behind(lens.sharpAt(u));
+  const sharp = behind(lens.imageDistance(u));
   const height = (xs) => high * (sharp - xs) / (sharp - at);
   const sensor = (xs, kind) => [line(xs, axis - 50, xs, axis + 50, "axis"),
     line(xs, axis - Math.abs(height(xs)) - 1.5, xs, axis + Math.abs(height(xs)) + 1.5, `thick ${kind}`)];
   const plane = (distance, words, labelAt, kind) => [line(x(distance), 36, x(distance), 200, `dashed ${kind}`),
-    text(Math.max(x(distance), 4), labelAt, `${words} ${number(distance, 1)} mm`, x(distance) < 75 ? "start" : x(distance) > at - 80 ? "end" : "middle")];
+    text(Math.max(x(distance), 4), labelAt, `${words} ${number(distance, 1)} mm`,
+      x(distance) < 75 ? "start" : x(distance) > at - 80 ? "end" : "middle")];
   const [nearBlur, farBlur] = lens.blur(u);
   const stop = lens.telecentric ? [x(lens.focalLength), high * Math.max(0.12, 1 - lens.focalLength / u)] : null;
   return picture(
-    `The lens with its focus planes at ${number(lens.nearFocus, 1)} and ${number(lens.farFocus, 1)} mm. A point at ${number(u, 1)} mm makes a blur of ${number(nearBlur, 1)} px on the near-focused sensor and ${number(farBlur, 1)} px on the far-focused one.`,
+    `The lens with its focus planes at ${number(lens.nearFocus, 1)} and ${number(lens.farFocus, 1)} mm. `
+      + `A point at ${number(u, 1)} mm makes a blur of ${number(nearBlur, 1)} px on the near-focused sensor `
+      + `and ${number(farBlur, 1)} px on the far-focused one.`,
     480, 240,
     line(4, axis, 476, axis, "axis"),
     svg("rect", {x: x(lens.farFocus), y: 36, width: x(lens.nearFocus) - x(lens.farFocus), height: 164, class: "working"}),
     plane(lens.farFocus, "far focus", 28, "far"), plane(lens.nearFocus, "near focus", 217, "near"),
-    path([[x(u), axis], [at, axis - high], [end, axis - height(end)]], "ray"), path([[x(u), axis], [at, axis + high], [end, axis + height(end)]], "ray"),
+    path([[x(u), axis], [at, axis - high], [end, axis - height(end)]], "ray"),
+    path([[x(u), axis], [at, axis + high], [end, axis + height(end)]], "ray"),
     svg("ellipse", {cx: at, cy: axis, rx: 8, ry: 74, class: "glass"}), text(at, 28, "lens"),
     stop && [line(stop[0], 50, stop[0], axis - stop[1], "thick stop"), line(stop[0], 186, stop[0], axis + stop[1], "thick stop"),
       text(stop[0] - 4, 200, "stop", "end")],
@@ -47,49 +50,55 @@ function chart(lens, u, [from, to]) {
   const curve = (sensor, kind) => path(steps.map((distance) => [x(distance), y(lens.blur(distance)[sensor])]), `curve ${kind}`);
   const [near, far] = lens.blur(u);
   return picture(
-    `Blur against distance: the near-focused sensor is sharp at ${number(lens.nearFocus, 1)} mm and blurred by ${number(lens.blur(lens.farFocus)[0], 1)} px at ${number(lens.farFocus, 1)} mm, the far-focused one the other way round.`,
+    `Blur against distance: the near-focused sensor is sharp at ${number(lens.nearFocus, 1)} mm and blurred by `
+      + `${number(lens.blur(lens.farFocus)[0], 1)} px at ${number(lens.farFocus, 1)} mm, the far-focused one the other way round.`,
     480, 226,
     svg("rect", {x: x(lens.nearFocus), y: top, width: x(lens.farFocus) - x(lens.nearFocus), height: bottom - top, class: "working"}),
     ticks(0, most, 4).map((blur) => [line(left, y(blur), right, y(blur), "axis"), text(left - 5, y(blur) + 4, number(blur, 1), "end")]),
-    ticks(from, to, 5).map((distance) => [line(x(distance), bottom, x(distance), bottom + 4, "axis"), text(x(distance), bottom + 17, number(distance, 1))]),
+    ticks(from, to, 5).map((distance) => [line(x(distance), bottom, x(distance), bottom + 4, "axis"),
+      text(x(distance), bottom + 17, number(distance, 1))]),
     text(right, bottom + 45, "distance, mm", "end"), text(2, 12, "blur, px", "start"),
     curve(0, "near"), curve(1, "far"),
     line(x(u), top, x(u), bottom, "dashed"),
     svg("circle", {cx: x(u), cy: y(near), r: 4, class: "dot near"}), svg("circle", {cx: x(u), cy: y(far), r: 4, class: "dot far"}),
-    [["near-focused", "near", 34], ["far-focused", "far", 164]].map(([words, kind, at]) => [line(at, bottom + 41, at + 20, bottom + 41, `curve ${kind}`),
-      text(at + 25, bottom + 45, words, "start")]));
+    [["near-focused", "near", 34], ["far-focused", "far", 164]].map(([words, kind, at]) =>
+      [line(at, bottom + 41, at + 20, bottom + 41, `curve ${kind}`),
+        text(at + 25, bottom + 45, words, "start")]));
 }
 
-// What is good or bad about the largest blur.
+// Whether the largest blur suits the measurement.
 const verdict = (blur) => blur < 0.5 ? "too little to measure by: a wider aperture or a larger separation is needed"
   : blur < 3.5 ? "less than the best, 4 to 7 px: distances will be less exact"
   : blur <= 7.5 ? "good: 4 to 7 px are best"
   : blur <= 120 ? "more than the best, 4 to 7 px: pictures are shrunk first"
   : "more than the 120 px that can be measured";
 
-// A live figure: `update(optics)` draws anew. A slider moves the point that is looked at.
+// The figure with a slider that moves the point; `update(optics)` draws it again.
 export function opticsFigure() {
   const place = h("div", {});
   const slider = h("input", {type: "range", id: "optics-point", min: 0, max: 1, step: "any", value: 0.5, onInput: () => draw()});
-  const said = h("output", {for: "optics-point"});
-  const control = h("div", {class: "field"}, h("label", {for: "optics-point"}, "A point at ", said), slider);
+  const reading = h("output", {for: "optics-point"});
+  const control = h("div", {class: "field"}, h("label", {for: "optics-point"}, "A point at ", reading), slider);
   const facts = h("p", {});
   const rows = h("tbody", {});
   const table = h("details", {}, h("summary", {}, "The same in figures"),
-    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "Distance"), h("th", {class: "n"}, "Near-focused"), h("th", {class: "n"}, "Far-focused"))), rows));
+    h("table", {}, h("thead", {},
+      h("tr", {}, h("th", {}, "Distance"), h("th", {class: "n"}, "Near-focused"), h("th", {class: "n"}, "Far-focused"))), rows));
   let lens = null;
   function draw() {
     const from = Math.max(lens.focalLength * 1.02 + 1e-6, lens.nearFocus - 0.4 * lens.range);
     const to = lens.farFocus + 0.4 * lens.range;
     const u = from + (to - from) * Number(slider.value);
-    replace(said, `${number(u, 1)} mm`);
+    replace(reading, `${number(u, 1)} mm`);
     slider.setAttribute("aria-valuetext", `${number(u, 1)} mm`);
     replace(place, scene(lens, u, to), chart(lens, u, [from, to]));
-    replace(facts, `Measures from ${number(lens.nearFocus, 2)} to ${number(lens.farFocus, 2)} mm. Largest blur ${number(lens.largestBlur, 2)} px: ${verdict(lens.largestBlur)}.`);
+    replace(facts, `Measures from ${number(lens.nearFocus, 2)} to ${number(lens.farFocus, 2)} mm. `
+      + `Largest blur ${number(lens.largestBlur, 2)} px: ${verdict(lens.largestBlur)}.`);
     replace(rows, [0, 0.25, 0.5, 0.75, 1].map((part) => {
       const distance = lens.nearFocus + part * lens.range;
       const [near, far] = lens.blur(distance);
-      return h("tr", {}, h("td", {}, `${number(distance, 1)} mm`), h("td", {class: "n"}, `${number(near)} px`), h("td", {class: "n"}, `${number(far)} px`));
+      return h("tr", {}, h("td", {}, `${number(distance, 1)} mm`), h("td", {class: "n"}, `${number(near)} px`),
+        h("td", {class: "n"}, `${number(far)} px`));
     }));
   }
   const node = h("div", {class: "optics-figure"});
@@ -98,7 +107,9 @@ export function opticsFigure() {
     update(optics) {
       try {
         lens = lensOf(optics);
-        if (!(lens.range > 0 && Number.isFinite(lens.farFocus))) throw new Error("Both sensors are focused at one distance: take a larger separation.");
+        if (!(lens.range > 0 && Number.isFinite(lens.farFocus))) {
+          throw new Error("Both sensors are focused at one distance: take a larger separation.");
+        }
         if (!place.isConnected) replace(node, facts, place, control, table);
         draw();
       } catch (error) {

@@ -1,8 +1,8 @@
-// #/: whether the service is well, what it knows, and what it is at.
+// #/: the health of the service, its databases, jobs and processes.
 
-import {h, replace, steady} from "./dom.js";
+import {h, replace, drawOnChange} from "./dom.js";
 import {all, call, get} from "./api.js";
-import {act, keepFresh, liveJobs, outcome, problem, state, time} from "./parts.js";
+import {act, poll, liveJobs, outcome, problem, state, time} from "./parts.js";
 import {NAME} from "./fields.js";
 
 const ENDED_JOBS = 8;
@@ -12,9 +12,10 @@ const KINDS = {
 };
 
 const databaseLink = (name) => h("a", {href: `#/databases/${encodeURIComponent(name)}`}, name);
-export const versionLink = (name, version, text = `version ${version}`) => h("a", {href: `#/versions/${encodeURIComponent(name)}/${version}`}, text);
+export const versionLink = (name, version, text = `version ${version}`) =>
+  h("a", {href: `#/versions/${encodeURIComponent(name)}/${version}`}, text);
 
-// How the service says it is; it needs no key, and answers 503 while it starts.
+// The readiness of the service; needs no key, answers 503 while it starts.
 async function readiness(signal) {
   const answer = await fetch("readyz", {signal, cache: "no-store"}).catch((error) => { if (error.name === "AbortError") throw error; });
   const body = await answer?.json().catch(() => null);
@@ -28,25 +29,28 @@ export async function show(main, parts, signal) {
   const live = h("div", {id: "live-jobs"});
   const ended = h("div", {id: "ended-jobs"});
   const processes = h("div", {id: "processes"});
-  const drawHealth = steady(health, healthOf);
-  const drawDatabases = steady(databases, databaseTable);
-  const drawEnded = steady(ended, endedJobs);
-  const drawProcesses = steady(processes, processTable);
+  const drawHealth = drawOnChange(health, healthOf);
+  const drawDatabases = drawOnChange(databases, databaseTable);
+  const drawEnded = drawOnChange(ended, endedJobs);
+  const drawProcesses = drawOnChange(processes, processTable);
 
   let details = [];
   const older = new Map(); // the last training of a database that isn't among the jobs asked for
   let known = "";
   let round = 0;
   async function refresh() {
-    const [info, ready, jobs, list] = await Promise.all([get("v1/info", {signal}), readiness(signal), get("v1/jobs?limit=100", {signal}), all("v1/databases", {signal})]);
-    // What a database holds is asked for when something happened, and now and then.
-    const seen = JSON.stringify([ready, list.map((database) => database.name), jobs.items.map((job) => [job.id, job.state])]);
-    if (seen !== known || round % 6 === 0) {
-      details = (await Promise.all(list.map(({name}) => get(`v1/databases/${encodeURIComponent(name)}`, {signal}).catch(unlessGone)))).filter(Boolean);
+    const [info, ready, jobs, list] = await Promise.all([
+      get("v1/info", {signal}), readiness(signal), get("v1/jobs?limit=100", {signal}), all("v1/databases", {signal})]);
+    // Details of databases are fetched when something changed, and in every sixth round.
+    const now = JSON.stringify([ready, list.map((database) => database.name), jobs.items.map((job) => [job.id, job.state])]);
+    if (now !== known || round % 6 === 0) {
+      details = (await Promise.all(list.map(({name}) => get(`v1/databases/${encodeURIComponent(name)}`, {signal}).catch(unlessGone))))
+        .filter(Boolean);
       const recent = lastTrainings(jobs.items);
       const without = details.map(({name}) => name).filter((name) => !recent[name] && !older.has(name));
-      await Promise.all(without.map(async (name) => older.set(name, lastTrainings((await get(`v1/jobs?database=${encodeURIComponent(name)}&limit=1`, {signal})).items)[name])));
-      known = seen;
+      await Promise.all(without.map(async (name) => older.set(name,
+        lastTrainings((await get(`v1/jobs?database=${encodeURIComponent(name)}&limit=1`, {signal})).items)[name])));
+      known = now;
     }
     round += 1;
     if (signal.aborted) return;
@@ -64,10 +68,10 @@ export async function show(main, parts, signal) {
       h("section", {class: "card"}, h("h2", {}, "Jobs"), live, ended),
       h("section", {class: "card"}, h("h2", {}, "Processes"), processes)));
   await refresh();
-  keepFresh(refresh, signal, (error) => replace(fault, error && problem(error)));
+  poll(refresh, signal, (error) => replace(fault, error && problem(error)));
 }
 
-// A database that was deleted meanwhile is no fault.
+// A database that was deleted meanwhile is no error.
 function unlessGone(error) {
   if (error.status === 404) return null;
   throw error;
@@ -80,7 +84,7 @@ function lastTrainings(jobs) {
   return found;
 }
 
-const SAID = {
+const STATUS_TEXTS = {
   ready: "All is well.",
   degraded: "The service answers, but something below needs you.",
   starting: "The service is starting or shutting down; it answers when it is ready.",
@@ -90,20 +94,24 @@ const SAID = {
 function healthOf({info, ready}) {
   const broken = ready.databases.filter((database) => database.reason);
   return [
-    h("p", {class: "row"}, state(ready.status), h("strong", {}, SAID[ready.status] ?? ready.status), ready.databases.length ? null : h("span", {}, "It holds no version yet.")),
+    h("p", {class: "row"}, state(ready.status), h("strong", {}, STATUS_TEXTS[ready.status] ?? ready.status),
+      ready.databases.length ? null : h("span", {}, "It holds no version yet.")),
     broken.length > 0 && h("ul", {}, broken.map(({database, reason}) => h("li", {}, databaseLink(database), `: ${reason}`))),
-    h("p", {class: "muted"}, `${info.name} ${info.version}, algorithm revision ${info.revision}, ${info.limits.threads} threads, since `, time(info.started_at),
-      " · catalogue ", state(ready.catalogue), " · blobs ", state(ready.blobs)),
+    h("p", {class: "muted"}, `${info.name} ${info.version}, algorithm revision ${info.revision}, ${info.limits.threads} threads, since `,
+      time(info.started_at), " · catalogue ", state(ready.catalogue), " · blobs ", state(ready.blobs)),
     h("details", {}, h("summary", {}, "What it takes"),
       h("p", {}, `Pictures: ${info.formats.join(", ")}.`),
       h("div", {class: "scroll"}, h("table", {}, h("caption", {class: "visually-hidden"}, "Limits"),
-        Object.entries(info.limits).map(([name, value]) => h("tr", {}, h("th", {scope: "row"}, h("code", {}, name)), h("td", {class: "n"}, value.toLocaleString("en")))))))];
+        Object.entries(info.limits)
+          .map(([name, value]) => h("tr", {}, h("th", {scope: "row"}, h("code", {}, name)),
+            h("td", {class: "n"}, value.toLocaleString("en")))))))];
 }
 
 function databaseTable({details, ready, trainings}) {
   if (!details.length) {
     return h("div", {class: "note", id: "first-steps"}, h("strong", {}, "Nothing is known yet. Four steps to the first answer:"),
-      h("ol", {}, h("li", {}, "Create a database below: ", h("em", {}, "landmarks"), " to tell places, ", h("em", {}, "objects"), " to tell things and their pose."),
+      h("ol", {}, h("li", {}, "Create a database below: ", h("em", {}, "landmarks"), " to tell places, ", h("em", {}, "objects"),
+        " to tell things and their pose."),
         h("li", {}, "On its page, drop a folder of pictures for each label: these are its exemplars."),
         h("li", {}, "Train: a job makes a version of them."),
         h("li", {}, "Show it a picture under ", h("a", {href: "#/try"}, "Try it"), ".")),
@@ -111,7 +119,9 @@ function databaseTable({details, ready, trainings}) {
   }
   const served = new Map(ready.databases.map((database) => [database.database, database]));
   return h("div", {class: "scroll", tabindex: "0", role: "region", "aria-label": "Databases"}, h("table", {},
-    h("thead", {}, h("tr", {}, ["Name", "Health", "Answers with", "Kind"].map((text) => h("th", {scope: "col"}, text)), h("th", {scope: "col", class: "n"}, "Exemplars"), h("th", {scope: "col", class: "n"}, "Labels"), ["Last training", ""].map((text) => h("th", {scope: "col"}, text || h("span", {class: "visually-hidden"}, "Actions"))))),
+    h("thead", {}, h("tr", {}, ["Name", "Health", "Answers with", "Kind"].map((text) => h("th", {scope: "col"}, text)),
+      h("th", {scope: "col", class: "n"}, "Exemplars"), h("th", {scope: "col", class: "n"}, "Labels"),
+      ["Last training", ""].map((text) => h("th", {scope: "col"}, text || h("span", {class: "visually-hidden"}, "Actions"))))),
     h("tbody", {}, details.map(({name, kind, current_version: current, exemplars, labels}) => {
       const training = trainings[name];
       return h("tr", {}, h("th", {scope: "row"}, databaseLink(name)),
@@ -120,7 +130,8 @@ function databaseTable({details, ready, trainings}) {
         h("td", {}, kind),
         h("td", {class: "n"}, exemplars), h("td", {class: "n"}, labels),
         h("td", {class: "whole"}, training ? [state(training.state), " ", time(training.at)] : h("span", {class: "muted"}, "–")),
-        h("td", {class: "whole"}, current ? h("a", {href: `#/try/${encodeURIComponent(name)}`, "aria-label": `Try it: ${name}`}, "Try it") : null));
+        h("td", {class: "whole"}, current ? h("a", {href: `#/try/${encodeURIComponent(name)}`, "aria-label": `Try it: ${name}`},
+          "Try it") : null));
     }))));
 }
 
@@ -131,7 +142,8 @@ function healthOfDatabase(current, served) {
 
 function newDatabase(signal) {
   const place = h("div");
-  const name = h("input", {id: "new-name", required: true, maxlength: "64", pattern: NAME, autocomplete: "off", spellcheck: "false", "aria-describedby": "new-name-hint"});
+  const name = h("input", {id: "new-name", required: true, maxlength: "64", pattern: NAME, autocomplete: "off", spellcheck: "false",
+    "aria-describedby": "new-name-hint"});
   const kind = h("select", {id: "new-kind"}, Object.entries(KINDS).map(([value, text]) => h("option", {value}, text)));
   const form = h("form", {id: "new-database", onSubmit: (event) => event.preventDefault()},
     h("h3", {}, "Create a database"),
@@ -144,7 +156,8 @@ function newDatabase(signal) {
         await call("PUT", `v1/databases/${path}`, {json: {kind: kind.value}});
         if (!signal.aborted) location.hash = `#/databases/${path}`;
       }, {place, type: "submit"})),
-    h("p", {class: "muted", id: "new-name-hint"}, "Letters, digits, “_”, “.” and “-”; a letter or digit first. The kind can't be changed later."), place);
+    h("p", {class: "muted", id: "new-name-hint"},
+      "Letters, digits, “_”, “.” and “-”; a letter or digit first. The kind can't be changed later."), place);
   return form;
 }
 
@@ -159,9 +172,12 @@ function endedJobs({jobs, busy}) {
 
 function processTable(processes) {
   return processes.map(({worker, role, started_at: since, databases}, index) => h("div", {class: "process"},
-    h("p", {}, h("strong", {}, role === "all" ? "serves and trains" : role === "serve" ? "serves" : "trains"), index === 0 ? " (this one)" : "", ", since ", time(since)),
+    h("p", {}, h("strong", {}, role === "all" ? "serves and trains" : role === "serve" ? "serves" : "trains"),
+      index === 0 ? " (this one)" : "", ", since ", time(since)),
     h("p", {class: "muted"}, h("code", {}, worker)),
     databases.length
-      ? h("ul", {class: "plain"}, databases.map(({database, version, state: word, reason}) => h("li", {}, databaseLink(database), version ? ` version ${version} ` : " ", state(word), reason ? ` ${reason}` : "")))
+      ? h("ul", {class: "plain"},
+        databases.map(({database, version, state: word, reason}) => h("li", {}, databaseLink(database),
+          version ? ` version ${version} ` : " ", state(word), reason ? ` ${reason}` : "")))
       : h("p", {class: "muted"}, "It holds no database.")));
 }

@@ -1,26 +1,28 @@
-// What several pages show: problems, short messages, pickers of pictures, jobs on their way.
+// Elements that several pages share: problems, toasts, picture inputs, jobs in progress.
 
 import {h, replace} from "./dom.js";
 import {call, follow, pause, remove} from "./api.js";
 import {showable} from "./portable_map.js";
 
-// A refusal with what to do, and the id under which the log has it.
+// An error with its advice, and the request id that the log has.
 export function problem(error) {
   return h("div", {class: "problem", role: "alert"},
     h("strong", {}, error.title ?? "Something went wrong"),
     h("p", {}, error.message),
     error.errors?.length ? h("ul", {}, error.errors.map((fault) => h("li", {}, h("code", {}, fault.pointer), " ", fault.detail))) : null,
-    error.title && error.code ? h("p", {class: "muted"}, h("a", {href: `problems/${error.code}`, target: "_blank"}, h("code", {}, error.code)), error.requestId ? [" · request ", h("code", {}, error.requestId)] : null) : null);
+    error.title && error.code
+      ? h("p", {class: "muted"}, h("a", {href: `problems/${error.code}`, target: "_blank"}, h("code", {}, error.code)),
+        error.requestId ? [" · request ", h("code", {}, error.requestId)] : null) : null);
 }
 
-// A message that goes by itself.
+// A message that disappears after some seconds.
 export function toast(text) {
   const note = h("p", {class: "toast"}, text);
   document.getElementById("toasts").append(note);
   setTimeout(() => note.remove(), 6000);
 }
 
-// Runs what a button does: once at a time, and what goes wrong is shown at `place`.
+// A button that runs `work`, once at a time; an error is shown at `place`, or as a toast.
 export function act(label, work, {kind = "", place, ...props} = {}) {
   const button = h("button", {type: "button", class: kind, ...props}, label);
   button.addEventListener("click", async () => {
@@ -37,7 +39,7 @@ export function act(label, work, {kind = "", place, ...props} = {}) {
   return button;
 }
 
-// Asks before something that can't be taken back; with `word`, that word has to be typed first.
+// Asks for confirmation; with `word`, that word has to be typed first.
 export function confirm(title, text, doIt, word) {
   return new Promise((resolve) => {
     const typed = word && h("input", {id: "confirm-word", autocomplete: "off", spellcheck: "false", autofocus: true});
@@ -53,7 +55,7 @@ export function confirm(title, text, doIt, word) {
   });
 }
 
-// Every file below what was dropped, with its path: folders too.
+// Every file of what was dropped, with its path; folders are walked.
 async function dropped(items) {
   const files = [];
   async function walk(entry, path) {
@@ -75,14 +77,19 @@ async function dropped(items) {
 
 const isPicture = ({file}) => /^image\//.test(file.type) || /\.(png|jpe?g|pgm|ppm)$/i.test(file.name);
 
-// A place to drop pictures, choose them, or take one with the device's camera. `onPictures` is given
-// [{file, path}]; `path` has the folders of a dropped or chosen folder.
+// An input for pictures: drop, choose, or take one with the device's camera. Calls `onPictures` with [{file, path}]; `path`
+// has the folders of a dropped or chosen folder.
 export function pictures({label, multiple = false, folders = false, camera = true, onPictures}) {
-  const take = (list) => { const found = list.filter(isPicture); found.length ? onPictures(multiple ? found : found.slice(0, 1)) : toast("There is no picture (PNG, JPEG, PGM, PPM) in that."); };
-  const input = (props) => h("input", {type: "file", class: "visually-hidden", accept: "image/png,image/jpeg,.pgm,.ppm", tabindex: "-1", "aria-hidden": "true", onChange(event) {
-    take([...event.target.files].map((file) => ({file, path: file.webkitRelativePath || file.name})));
-    event.target.value = "";
-  }, ...props});
+  const take = (list) => {
+    const found = list.filter(isPicture);
+    if (found.length) onPictures(multiple ? found : found.slice(0, 1));
+    else toast("There is no picture (PNG, JPEG, PGM, PPM) in that.");
+  };
+  const input = (props) => h("input", {type: "file", class: "visually-hidden", accept: "image/png,image/jpeg,.pgm,.ppm", tabindex: "-1",
+    "aria-hidden": "true", onChange(event) {
+      take([...event.target.files].map((file) => ({file, path: file.webkitRelativePath || file.name})));
+      event.target.value = "";
+    }, ...props});
   const files = input({multiple});
   const folder = folders ? input({webkitdirectory: true}) : null;
   const zone = h("div", {class: "drop"},
@@ -90,7 +97,8 @@ export function pictures({label, multiple = false, folders = false, camera = tru
     h("div", {class: "row"},
       h("button", {type: "button", onClick: () => files.click()}, multiple ? "Choose pictures" : "Choose a picture"),
       folder && h("button", {type: "button", class: "quiet", onClick: () => folder.click()}, "Choose a folder"),
-      camera && h("button", {type: "button", class: "quiet", onClick: () => shoot((file) => take([{file, path: file.name}]), multiple)}, "Use the camera")),
+      camera && h("button", {type: "button", class: "quiet", onClick: () => shoot((file) => take([{file, path: file.name}]), multiple)},
+        "Use the camera")),
     files, folder);
   zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });
   zone.addEventListener("dragleave", () => zone.classList.remove("over"));
@@ -102,14 +110,15 @@ export function pictures({label, multiple = false, folders = false, camera = tru
   return zone;
 }
 
-// Looks through the device's camera until a picture was taken, or several were.
+// Shows the device's camera in a dialog until a picture was taken, or with `several` until it is closed.
 async function shoot(onPicture, several) {
   let stream;
   try {
     if (!navigator.mediaDevices) throw new Error("insecure");
     stream = await navigator.mediaDevices.getUserMedia({video: {facingMode: "environment", width: {ideal: 1280}}});
   } catch {
-    toast(window.isSecureContext ? "The camera can't be used: the browser or the device said no." : "Browsers let pages use the camera over HTTPS or from localhost only: serve with --tls-cert and --tls-key.");
+    toast(window.isSecureContext ? "The camera can't be used: the browser or the device said no."
+      : "Browsers let pages use the camera over HTTPS or from localhost only: serve with --tls-cert and --tls-key.");
     return;
   }
   const video = h("video", {autoplay: true, playsinline: true, muted: true});
@@ -134,34 +143,41 @@ async function shoot(onPicture, several) {
   dialog.showModal();
 }
 
-// How far a job is, kept up to date by its events; `onEnd` is given the job when it ended.
+// The progress of a job, kept up to date by its events; calls `onEnd` with the job when it ended.
 function jobProgress(job, signal, onEnd) {
-  const said = h("span");
+  const text = h("span");
   const bar = h("progress", {"aria-label": `Progress of the ${job.kind}`});
-  const cancel = act("Cancel", () => remove(`v1/jobs/${job.id}`), {kind: "quiet small", "aria-label": `Cancel the ${job.kind} of ${job.database ?? job.calibration}`});
+  const cancel = act("Cancel", () => remove(`v1/jobs/${job.id}`),
+    {kind: "quiet small", "aria-label": `Cancel the ${job.kind} of ${job.database ?? job.calibration}`});
   const fault = h("div");
-  const place = h("div", {class: "job"}, h("div", {class: "row spread"}, said, cancel), bar, fault);
+  const place = h("div", {class: "job"}, h("div", {class: "row spread"}, text, cancel), bar, fault);
   function draw(body) {
     const {stage, done, total} = body.progress ?? {};
     const going = ["queued", "running"].includes(body.state);
-    replace(said, h("strong", {}, body.kind), ` of ${body.database ?? body.calibration} `, state(body.state), stage && going ? h("span", {class: "muted"}, ` ${stage} ${done} of ${total}`) : null);
+    replace(text, h("strong", {}, body.kind), ` of ${body.database ?? body.calibration} `, state(body.state),
+      stage && going ? h("span", {class: "muted"}, ` ${stage} ${done} of ${total}`) : null);
     bar.max = total || 1;
     bar.value = total ? done : 0;
     cancel.hidden = bar.hidden = !going;
-    replace(fault, body.problem ? problem({title: body.problem.title, message: body.problem.detail ?? body.problem.title, code: body.problem.code}) : null);
+    replace(fault, body.problem ? problem({title: body.problem.title, message: body.problem.detail ?? body.problem.title,
+      code: body.problem.code}) : null);
   }
   draw(job);
-  whileSeen((looked) => follow(`v1/jobs/${job.id}/events`, draw, looked), signal).then((ended) => ended && onEnd?.(ended)).catch((error) => {
-    if (error.name !== "AbortError") replace(place, problem(error));
-  });
+  whileVisible((visible) => follow(`v1/jobs/${job.id}/events`, draw, visible), signal).then((ended) => ended && onEnd?.(ended))
+    .catch((error) => {
+      if (error.name !== "AbortError") replace(place, problem(error));
+    });
   return place;
 }
 
-// Runs `work` while the page is looked at, and begins anew when it is looked at again; `work` is given a signal of its own.
-async function whileSeen(work, signal) {
+// Runs `work` while the page is visible, again whenever it becomes visible; the signal that `work` takes is aborted when it is hidden.
+async function whileVisible(work, signal) {
   while (!signal.aborted) {
     if (document.hidden) {
-      await new Promise((wake) => { for (const [target, event] of [[document, "visibilitychange"], [signal, "abort"]]) target.addEventListener(event, wake, {once: true}); });
+      await new Promise((wake) => {
+        document.addEventListener("visibilitychange", wake, {once: true});
+        signal.addEventListener("abort", wake, {once: true});
+      });
       continue;
     }
     const hidden = new AbortController();
@@ -179,8 +195,8 @@ async function whileSeen(work, signal) {
 }
 
 const FOLLOWED = 2;
-// The jobs that are queued or running, each kept up to date. Two are followed by their events while the page is
-// looked at, and the rest as the list is given anew: a browser opens six connections to a service, for all its tabs.
+// The jobs that are queued or running. Two are kept up to date by their events while the page is visible, the rest each time
+// the list is fetched: a browser opens six connections to a service, for all its tabs.
 export function liveJobs(place, signal, onEnd) {
   const shown = new Map();
   return (jobs) => {
@@ -195,14 +211,15 @@ export function liveJobs(place, signal, onEnd) {
       if (had?.followed) return;
       const followed = index < FOLLOWED;
       const node = followed ? jobProgress(job, signal, onEnd)
-        : h("div", {class: "job row spread"}, h("span", {}, h("strong", {}, job.kind), ` of ${job.database ?? job.calibration} `, state(job.state)), act("Cancel", () => remove(`v1/jobs/${job.id}`), {kind: "quiet small"}));
+        : h("div", {class: "job row spread"}, h("span", {}, h("strong", {}, job.kind), ` of ${job.database ?? job.calibration} `,
+          state(job.state)), act("Cancel", () => remove(`v1/jobs/${job.id}`), {kind: "quiet small"}));
       had ? had.node.replaceWith(node) : place.append(node);
       shown.set(job.id, {node, followed});
     });
   };
 }
 
-// What an ended job came to: its version, how that did beside the one in use, or why there is none.
+// The outcome of a job that ended: its version, the comparison with the one in use, or the error.
 export function outcome(job) {
   const {comparison: compared, problem: fault, version} = job;
   return [
@@ -215,11 +232,12 @@ export function outcome(job) {
 export function verdict({against_version: against, trials, candidate_right: candidate, current_right: current, p_value: chance, promoted}) {
   if (against === null) return h("span", {}, "promoted: there was no version to compare with.");
   return h("span", {}, h("strong", {}, promoted ? "promoted" : "not promoted"),
-    `: ${candidate} of ${trials} right, version ${against} in use ${current} of ${trials} (p = ${number(chance, 3)}; below 0.05 counts as worse).`);
+    `: ${candidate} of ${trials} right, version ${against} in use ${current} of ${trials} `
+    + `(p = ${number(chance, 3)}; below 0.05 counts as worse).`);
 }
 
-// Runs `refresh` every few seconds while the page is looked at; ends when the page is left or the key is refused.
-export async function keepFresh(refresh, signal, onFault, seconds = 5) {
+// Polls: runs `refresh` every few seconds while the page is visible, until it is left or the key is refused.
+export async function poll(refresh, signal, onFault, seconds = 5) {
   while (!signal.aborted) {
     await pause(seconds, signal);
     if (signal.aborted || document.hidden) continue;
@@ -234,7 +252,7 @@ export async function keepFresh(refresh, signal, onFault, seconds = 5) {
   }
 }
 
-// A picture of the service that is fetched when it comes near the window.
+// Lazy loading: a picture is fetched when it comes near the viewport.
 const near = new IntersectionObserver((entries) => {
   for (const {isIntersecting, target} of entries) {
     if (!isIntersecting) continue;
@@ -265,13 +283,14 @@ export function remotePicture(path, alt, signal, props) {
   return image;
 }
 
-// A word of state in its colour; the word itself says it too.
+// The word of a state, coloured by it.
 export const state = (word) => h("span", {class: `state ${word}`}, word);
 
-// A time as the person's clock has it, with the exact one on hover.
+// A local time, with the exact one on hover.
 export const time = (rfc3339) => rfc3339 ? h("time", {datetime: rfc3339, title: rfc3339}, new Date(rfc3339).toLocaleString()) : "never";
 
-export const number = (value, digits = 2) => value === null || value === undefined ? "–" : Number(value).toLocaleString("en", {maximumFractionDigits: digits});
+export const number = (value, digits = 2) => value === null || value === undefined ? "–"
+  : Number(value).toLocaleString("en", {maximumFractionDigits: digits});
 
 // "1 picture", "2 pictures".
 export const count = (many, word) => `${many.toLocaleString("en")} ${word}${many === 1 ? "" : "s"}`;

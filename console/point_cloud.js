@@ -1,12 +1,12 @@
-// Points in space, turned with the mouse or the arrow keys. Drawn by hand: each point is two by two pixels, and a buffer
-// of depths decides which one is in front.
+// A point cloud, rotated with the mouse or the arrow keys. Drawn in software: each point is two by two pixels, with a
+// z-buffer.
 
 import {h} from "./dom.js";
 import {packed} from "./false_colours.js";
 
 const [WIDTH, HEIGHT] = [640, 460];
 const START = {yaw: 0.55, pitch: 0.35, zoom: 1};
-const MOST_STRETCH = 1.5; // a cloud deeper or shallower than this beside its breadth is squeezed, and says so
+const MOST_STRETCH = 1.5; // a cloud deeper than this times its breadth is drawn compressed, with a note
 
 // `points` has x right, y down, z away of each point in mm; `colours` its [r, g, b] in bytes.
 export function pointCloud(points, colours) {
@@ -56,14 +56,16 @@ export function pointCloud(points, colours) {
     context.putImageData(image, 0, 0);
   }
   const change = (yaw, pitch, zoom = 1) => {
-    view = {yaw: view.yaw + yaw, pitch: Math.min(Math.max(view.pitch + pitch, -1.55), 1.55), zoom: Math.min(Math.max(view.zoom * zoom, 0.5), 8)};
+    view = {yaw: view.yaw + yaw, pitch: Math.min(Math.max(view.pitch + pitch, -1.55), 1.55),
+      zoom: Math.min(Math.max(view.zoom * zoom, 0.5), 8)};
     asked ||= requestAnimationFrame(draw);
   };
   const reset = () => { view = {...START}; change(0, 0); };
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => { if (event.buttons) change(-event.movementX / 150, event.movementY / 150); });
   canvas.addEventListener("keydown", (event) => {
-    const keys = {ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 1.2], "-": [0, 0, 1 / 1.2]};
+    const keys = {ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 1.2],
+      "-": [0, 0, 1 / 1.2]};
     if (keys[event.key]) change(...keys[event.key]);
     else if (event.key === "Home") reset();
     else return;
@@ -73,8 +75,9 @@ export function pointCloud(points, colours) {
   return h("div", {}, canvas,
     h("div", {class: "row"},
       h("button", {type: "button", class: "quiet small", onClick: () => change(0, 0, 1.25)}, "Enlarge"),
-        h("button", {type: "button", class: "quiet small", onClick: () => change(0, 0, 0.8)}, "Shrink"),
-        h("button", {type: "button", class: "quiet small", onClick: reset}, "Turn back")),
-    h("p", {class: "muted"}, `${count.toLocaleString("en")} points, ${size.map((mm) => mm.toFixed(0)).join(" × ")} mm. Drag, or use the arrow keys.`,
+      h("button", {type: "button", class: "quiet small", onClick: () => change(0, 0, 0.8)}, "Shrink"),
+      h("button", {type: "button", class: "quiet small", onClick: reset}, "Turn back")),
+    h("p", {class: "muted"},
+      `${count.toLocaleString("en")} points, ${size.map((mm) => mm.toFixed(0)).join(" × ")} mm. Drag, or use the arrow keys.`,
       squeeze < 1 ? ` Depth is drawn at ${squeeze.toPrecision(2)} of its scale.` : ""));
 }

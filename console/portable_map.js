@@ -1,8 +1,8 @@
-// Portable graymaps and pixmaps, which cameras on robots send and browsers show nothing of.
+// Portable graymaps and pixmaps (PGM, PPM): cameras on robots send them, browsers don't show them.
 
 import {h} from "./dom.js";
 
-// This makes a PNG of one, and leaves other pictures as they are.
+// Converts one to PNG; other pictures stay as they are.
 export async function showable(blob) {
   const kind = /^P[2356]$/.exec(await blob.slice(0, 2).text())?.[0];
   if (!kind) return blob;

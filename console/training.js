@@ -1,15 +1,15 @@
-// The form that trains a database: the options of its kind, as the contract tells them, and who answers afterwards.
+// The form that trains a database: the options of its kind, by the OpenAPI document, and whether the version is promoted.
 
 import {h, replace} from "./dom.js";
 import {call, get, put} from "./api.js";
 import {act, problem} from "./parts.js";
 
 const MAIN_OPTIONS = {landmarks: ["method", "viewpoint", "operator"], objects: ["segment", "dimension", "stages"]};
-// Options that may be none. For the others null is as the database has it.
+// Options that may be none. For the others null means the database's value.
 const MAY_BE_NONE = ["position_prior_px", "width_px", "height_px"];
 const PROMOTE = {always: "always", if_not_worse: "if it is not worse than the one in use", never: "never: I shall do it myself"};
 
-// The contract says which options there are, what they mean and where they end; asked for once a tab.
+// The OpenAPI document names the options, their meaning and their bounds; fetched once a tab.
 let contract = null;
 async function optionsOf(kind) {
   contract ??= get("openapi.json").catch((error) => { contract = null; throw error; });
@@ -17,7 +17,8 @@ async function optionsOf(kind) {
   const resolve = (schema) => {
     const named = schema.$ref ? schemas[schema.$ref.split("/").at(-1)] : schema;
     const one = named.oneOf?.find((each) => each.type !== "null");
-    return {...(one && named.oneOf.some((each) => each.type === "null") ? resolve(one) : named), ...(schema.description && {description: schema.description})};
+    return {...(one && named.oneOf.some((each) => each.type === "null") ? resolve(one) : named),
+      ...(schema.description && {description: schema.description})};
   };
   const {properties} = schemas[kind === "landmarks" ? "LandmarkOptionsBody" : "ObjectOptionsBody"];
   return Object.entries(properties).map(([name, schema]) => ({name, ...resolve(schema)}));
@@ -26,30 +27,39 @@ async function optionsOf(kind) {
 const words = (name) => name.replace(/_(px|deg|mm)$/, " ($1)").replaceAll("_", " ");
 const shownValue = (value) => value === null || value === undefined ? "none" : Array.isArray(value) ? value.join(", ") : String(value);
 
-// A field of an option: empty means as the database has it. `read` gives the value, or undefined.
+// A field of an option: empty means the database's value. `read` gives the value, or undefined.
 function optionField({name, type, enum: choices, minimum, maximum, description}, kept) {
   const id = `option-${name}`;
   const types = [type].flat();
   const mayBeNone = MAY_BE_NONE.includes(name);
-  const told = [description ?? "", mayBeNone ? "Type `none` for none." : ""].filter(Boolean).join(" ");
-  const hint = h("p", {class: "muted hint", id: `${id}-hint`}, told.split("`").map((text, index) => index % 2 ? h("code", {}, text) : text));
+  const help = [description ?? "", mayBeNone ? "Type `none` for none." : ""].filter(Boolean).join(" ");
+  const hint = h("p", {class: "muted hint", id: `${id}-hint`},
+    help.split("`").map((text, index) => index % 2 ? h("code", {}, text) : text));
   let input;
   let read;
   if (choices || types.includes("boolean")) {
-    input = h("select", {id}, h("option", {value: ""}, `as it is: ${shownValue(kept)}`), (choices ?? ["true", "false"]).map((value) => h("option", {value}, value)));
+    input = h("select", {id}, h("option", {value: ""}, `as it is: ${shownValue(kept)}`),
+      (choices ?? ["true", "false"]).map((value) => h("option", {value}, value)));
     read = () => choices ? input.value : input.value === "true";
   } else if (mayBeNone) {
-    input = h("input", {id, pattern: "\\s*(none|[0-9]+([.][0-9]+)?)\\s*", title: "A number, or none", placeholder: shownValue(kept), spellcheck: "false", autocomplete: "off"});
+    input = h("input", {id, pattern: "\\s*(none|[0-9]+([.][0-9]+)?)\\s*", title: "A number, or none", placeholder: shownValue(kept),
+      spellcheck: "false", autocomplete: "off"});
     read = () => input.value.trim() === "none" ? null : Number(input.value);
   } else if (types.includes("integer") || types.includes("number")) {
-    input = h("input", {id, type: "number", min: minimum, max: maximum, step: types.includes("integer") ? 1 : "any", placeholder: shownValue(kept)});
+    input = h("input", {id, type: "number", min: minimum, max: maximum, step: types.includes("integer") ? 1 : "any",
+      placeholder: shownValue(kept)});
     read = () => Number(input.value);
   } else {
     input = h("input", {id, placeholder: shownValue(kept), spellcheck: "false"});
-    read = () => { const parts = input.value.split(/[,\s]+/).filter(Boolean).map((part) => Number.isNaN(Number(part)) ? part : Number(part)); return parts.length === 1 ? parts[0] : parts; };
+    read = () => {
+      const words = input.value.split(/[,\s]+/).filter(Boolean);
+      const parts = words.map((word) => Number.isNaN(Number(word)) ? word : Number(word));
+      return parts.length === 1 ? parts[0] : parts;
+    };
   }
-  if (told) input.setAttribute("aria-describedby", hint.id);
-  return {name, input, read: () => input.value === "" ? undefined : read(), node: h("div", {}, h("label", {for: id}, words(name)), input, hint)};
+  if (help) input.setAttribute("aria-describedby", hint.id);
+  return {name, input, read: () => input.value === "" ? undefined : read(),
+    node: h("div", {}, h("label", {for: id}, words(name)), input, hint)};
 }
 
 // `onQueued` is called when a job was queued.
@@ -92,7 +102,7 @@ export function training(page, onQueued) {
   return form;
 }
 
-// Options replace all that the database has: what isn't named goes along, unless the method or viewpoint is another.
+// The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes.
 async function keepOptions(page, options) {
   const {kind, options: kept} = await get(page.path);
   const another = ["method", "viewpoint"].some((name) => options[name] && options[name] !== kept[name]);

@@ -1,5 +1,5 @@
-// What is known of a workcell: its database and calibration, and the mapping from the overview's pixels to the robot, by
-// pixels whose places the robot has touched.
+// The form of a workcell: its database and calibration, and the correspondences between the overview's pixels and the
+// robot's coordinates, from which the mapping is estimated.
 
 import {h, replace, svg} from "./dom.js";
 import {all, call, put} from "./api.js";
@@ -8,7 +8,7 @@ import {checkField, choiceField, markFaults, NAME, numberField, numberIn, textFi
 
 const NEAR_PX = 14; // of the screen: a point that near to the pointer is moved
 
-// Where a matrix puts a point; null beyond the horizon.
+// Applies a homography to a point; null beyond the horizon.
 export function mapped(matrix, [x, y]) {
   const [X, Y, w] = matrix.map((row) => row[0] * x + row[1] * y + row[2]);
   return Math.abs(w) > 1e-12 ? [X / w, Y / w] : null;
@@ -26,7 +26,7 @@ export function pixelOf(event, node, {naturalWidth: width, naturalHeight: height
   return [(event.clientX - box.left) / box.width * width - 0.5, (event.clientY - box.top) / box.height * height - 0.5];
 }
 
-// The table of correspondences, and the points on the overview, each the other's editor.
+// The table of correspondences and the points on the overview; both edit the same list.
 function correspondences(known, mapping) {
   const rows = h("tbody", {});
   const place = h("div", {});
@@ -40,9 +40,10 @@ function correspondences(known, mapping) {
     for (const [at, row] of list.entries()) {
       const [x, y, X, Y] = [0, 1, 2, 3].map((k) => value(row, k));
       replace(row.id, String(at + 1));
-      row.inputs.forEach((input, k) => input.setAttribute("aria-label", `${["Image x", "Image y", "Robot X", "Robot Y"][k]} of point ${at + 1}`));
-      const told = mapping ? mapped(mapping.matrix, [x, y]) : null;
-      const off = told ? Math.hypot(told[0] - X, told[1] - Y) : NaN;
+      row.inputs.forEach((input, k) => input.setAttribute("aria-label",
+        `${["Image x", "Image y", "Robot X", "Robot Y"][k]} of point ${at + 1}`));
+      const predicted = mapping ? mapped(mapping.matrix, [x, y]) : null;
+      const off = predicted ? Math.hypot(predicted[0] - X, predicted[1] - Y) : NaN;
       replace(row.off, Number.isFinite(off) ? number(off, 2) : "–");
     }
     const size = image ? image.naturalWidth / 70 : 0;
@@ -60,8 +61,11 @@ function correspondences(known, mapping) {
       {type: "number", step: "any", required: true, value: short(each), onInput: update, onFocus: update, onBlur: update}));
     const row = {inputs, id: h("th", {scope: "row"}), off: h("td", {class: "n"})};
     row.node = h("tr", {}, row.id, inputs.map((input) => h("td", {}, input)), row.off,
-      h("td", {}, h("button", {type: "button", class: "quiet small", onClick() { list = list.filter((each) => each !== row); row.node.remove(); update(); }},
-        "Remove")));
+      h("td", {}, h("button", {type: "button", class: "quiet small", onClick() {
+        list = list.filter((each) => each !== row);
+        row.node.remove();
+        update();
+      }}, "Remove")));
     list.push(row);
     rows.append(row.node);
     update();
@@ -75,7 +79,8 @@ function correspondences(known, mapping) {
       const [x, y] = pixelOf(event, node, image);
       const scale = node.getBoundingClientRect().width / image.naturalWidth;
       const distance = (row) => scale * Math.hypot(value(row, 0) - x, value(row, 1) - y) || 0;
-      moved = list.filter((row) => Number.isFinite(value(row, 0) + value(row, 1)) && distance(row) < NEAR_PX).sort((a, b) => distance(a) - distance(b))[0];
+      moved = list.filter((row) => Number.isFinite(value(row, 0) + value(row, 1)) && distance(row) < NEAR_PX)
+        .sort((a, b) => distance(a) - distance(b))[0];
       if (moved) node.setPointerCapture(event.pointerId);
       else add([Math.round(x * 10) / 10, Math.round(y * 10) / 10]).inputs[2].focus({preventScroll: true});
       event.preventDefault();
@@ -101,7 +106,8 @@ function correspondences(known, mapping) {
       if (!image) return;
       const node = overlaid(image, points);
       onPicture(node);
-      replace(place, node, h("p", {class: "muted"}, "Click a mark whose robot coordinates you know to add a point; drag a point to move it."));
+      replace(place, node,
+        h("p", {class: "muted"}, "Click a mark whose robot coordinates you know to add a point; drag a point to move it."));
       update();
     },
     read: () => list.map((row) => ({image_px: [value(row, 0), value(row, 1)], robot_mm: [value(row, 2), value(row, 3)]})),
@@ -111,18 +117,20 @@ function correspondences(known, mapping) {
 function segmentationFields({threshold = "adaptive", polarity, window_px: size, offset, min_area_px: least, max_objects: most} = {}) {
   const level = typeof threshold === "number";
   return h("div", {class: "fields"},
-    choiceField("Threshold", "threshold", [["adaptive", "adaptive: local background"], ["otsu", "otsu: one for the picture"], ["level", "a grey level"]],
+    choiceField("Threshold", "threshold",
+      [["adaptive", "adaptive: local background"], ["otsu", "otsu: one for the picture"], ["level", "a gray level"]],
       level ? "level" : threshold),
-    numberField("Grey level", "level", level ? threshold : undefined, {min: 0, max: 255, hint: "With “a grey level”."}),
-    choiceField("Objects are", "polarity", [["light_on_dark", "lighter than the ground"], ["dark_on_light", "darker than the ground"]],
+    numberField("Gray level", "level", level ? threshold : undefined, {min: 0, max: 255, hint: "With “a gray level”."}),
+    choiceField("Objects are", "polarity",
+      [["light_on_dark", "lighter than the background"], ["dark_on_light", "darker than the background"]],
       polarity ?? "light_on_dark"),
     numberField("Background window, px", "window_px", size, {min: 3, step: 1, hint: "Empty: chosen from the picture."}),
-    numberField("Standing out by, grey levels", "offset", offset, {min: 0, max: 255, hint: "Empty: chosen from the picture."}),
+    numberField("Contrast, gray levels", "offset", offset, {min: 0, max: 255, hint: "Empty: chosen from the picture."}),
     numberField("Least area, px", "min_area_px", least, {min: 1, step: 1, hint: "Empty: chosen from the picture."}),
     numberField("Most objects", "max_objects", most ?? 100, {min: 1, max: 1000, step: 1}));
 }
 
-const told = (members) => Object.fromEntries(Object.entries(members).filter(([, value]) => value !== undefined && value !== ""));
+const given = (members) => Object.fromEntries(Object.entries(members).filter(([, value]) => value !== undefined && value !== ""));
 
 // The form of a workcell, `kept` as the service has it or null for a new one. `picture()` gives the overview's file.
 export function workcellForm({kept, databases, calibrations, picture, onKept, signal}) {
@@ -135,40 +143,45 @@ export function workcellForm({kept, databases, calibrations, picture, onKept, si
       kept ? null : textField("Name", "name", "", {required: true, pattern: NAME, hint: "Letters, digits, - _ ."}),
       choiceField("Database of the parts", "database", names(databases, []), kept?.database ?? databases[0]),
       choiceField("Calibration for distances", "calibration", names(calibrations, [["", "none"]]), kept?.calibration ?? ""),
-      choiceField("Mapping", "mapping", [["", "as the points allow"], ["similarity", "similarity: from 2 points"], ["affine", "affine: from 3 points"],
-        ["homography", "homography: from 4, aslant"]], kept?.mapping.kind ?? ""),
+      choiceField("Mapping", "mapping",
+        [["", "as the points allow"], ["similarity", "similarity: from 2 points"], ["affine", "affine: from 3 points"],
+          ["homography", "homography: from 4, aslant"]], kept?.mapping.kind ?? ""),
       checkField("Robot's Y grows upwards in the picture", "flip_y", kept?.flip_y ?? true),
       numberField("Centred within, px", "tolerance_px", kept?.tolerance_px ?? 1, {min: 0}),
       numberField("Gripper's camera, mm a pixel", "mm_per_px", kept?.local?.mm_per_px, {min: 0, hint: "Empty: centrings in pixels alone."}),
-      numberField("Gripper's camera, turned by °", "rotation_deg", kept?.local?.rotation_deg, {hint: "Its x axis, from the robot's X towards Y."})),
+      numberField("Gripper's camera, turned by °", "rotation_deg", kept?.local?.rotation_deg,
+        {hint: "Its x axis, from the robot's X towards Y."})),
     h("h3", {}, "Points: image ↔ robot"), points.node,
-    h("details", {}, h("summary", {}, "How parts are told from the ground"), segmentationFields(kept?.segmentation),
+    h("details", {}, h("summary", {}, "Segmentation"), segmentationFields(kept?.segmentation),
       act("Try it on the overview", async () => {
         const file = picture();
         if (!file) return toast("Drop an overview first.");
         const body = new FormData();
         body.append("image", file, file.name);
         body.append("options", JSON.stringify(segmentation()));
-        const address = URL.createObjectURL(await (await call("POST", "v1/segmentations", {body, accept: "image/png; preview=regions", signal})).blob());
-        replace(preview, h("img", {src: address, alt: "The overview with the regions outlined", onLoad: () => URL.revokeObjectURL(address)}));
+        const address = URL.createObjectURL(await (await call("POST", "v1/segmentations",
+          {body, accept: "image/png; preview=regions", signal})).blob());
+        replace(preview, h("img",
+          {src: address, alt: "The overview with the regions outlined", onLoad: () => URL.revokeObjectURL(address)}));
       }, {kind: "quiet", place: fault}), preview));
   const field = (name) => form.elements[name].value;
-  const segmentation = () => told({
+  const segmentation = () => given({
     threshold: field("threshold") === "level" ? numberIn(form, "level") : field("threshold"), polarity: field("polarity"),
     window_px: numberIn(form, "window_px"), offset: numberIn(form, "offset"), min_area_px: numberIn(form, "min_area_px"),
-      max_objects: numberIn(form, "max_objects")});
+    max_objects: numberIn(form, "max_objects")});
   const keep = act(kept ? "Keep the changes" : "Create the workcell", async () => {
     if (!form.reportValidity()) return;
     const name = kept?.name ?? field("name");
     const scale = numberIn(form, "mm_per_px");
-    const body = told({
+    const body = given({
       database: field("database"), calibration: field("calibration"), mapping: field("mapping"), flip_y: form.elements.flip_y.checked,
-        tolerance_px: numberIn(form, "tolerance_px"),
-      local: scale === undefined ? undefined : told({mm_per_px: scale, rotation_deg: numberIn(form, "rotation_deg")}),
+      tolerance_px: numberIn(form, "tolerance_px"),
+      local: scale === undefined ? undefined : given({mm_per_px: scale, rotation_deg: numberIn(form, "rotation_deg")}),
       correspondences: points.read(), segmentation: segmentation()});
     try {
       if (!kept && (await all("v1/workcells", {signal})).some((each) => each.name === name)
-        && !await confirm(`Replace the workcell ${name}?`, "There is one of that name: its mapping and settings are replaced by these.", "Replace it")) return;
+        && !await confirm(`Replace the workcell ${name}?`, "There is one of that name: its mapping and settings are replaced by these.",
+          "Replace it")) return;
       onKept(await put(`v1/workcells/${encodeURIComponent(name)}`, body));
     } catch (error) {
       markFaults(form, error);

@@ -5,10 +5,10 @@ import {all, get, post, remove} from "./api.js";
 import {act, confirm, number, pictures, problem, time, toast} from "./parts.js";
 import {choiceField, numberField, numberIn, textField} from "./fields.js";
 import {inspectionView} from "./inspection.js";
-import {loaded} from "./seen.js";
+import {loaded} from "./frame_view.js";
 import {workcellForm} from "./workcell_form.js";
 
-// Pictures stay while other pages are looked at: role by workcell.
+// Pictures by workcell and role, kept while other pages are shown.
 const kept = new Map();
 const filesOf = (name) => kept.get(name) ?? kept.set(name, {}).get(name);
 
@@ -16,7 +16,8 @@ const address = (name) => `v1/workcells/${encodeURIComponent(name)}`;
 
 const choices = async (signal) => {
   const [databases, calibrations] = await Promise.all([all("v1/databases", {signal}), all("v1/calibrations", {signal})]);
-  return {databases: databases.filter(({kind}) => kind === "objects").map(({name}) => name), calibrations: calibrations.map(({name}) => name)};
+  return {databases: databases.filter(({kind}) => kind === "objects").map(({name}) => name),
+    calibrations: calibrations.map(({name}) => name)};
 };
 
 async function list(main, signal) {
@@ -31,13 +32,16 @@ async function list(main, signal) {
   if (form && files.overview) showPicture(files.overview).catch(() => {});
   replace(main,
     h("h1", {}, "Workcells"),
-    h("p", {}, "A workcell is a table with an overview camera, and a robot that reaches onto it: the service says what lies there, how it is turned, and where in the robot's millimetres."),
+    h("p", {}, "A workcell is a table with an overview camera, and a robot that reaches onto it: "
+      + "the service says what lies there, how it is turned, and where in the robot's millimetres."),
     workcells.length ? h("section", {class: "card scroll"}, h("table", {id: "workcells"},
-      h("thead", {}, h("tr", {}, ["Name", "Database", "Calibration", "Mapping"].map((words) => h("th", {}, words)), h("th", {class: "n"}, "Points"),
-        h("th", {class: "n"}, "Residual, mm"), h("th", {}, "Changed"))),
-      h("tbody", {}, workcells.map((cell) => h("tr", {}, h("td", {}, h("a", {href: `#/workcells/${encodeURIComponent(cell.name)}`}, cell.name)),
+      h("thead", {}, h("tr", {}, ["Name", "Database", "Calibration", "Mapping"].map((words) => h("th", {}, words)),
+        h("th", {class: "n"}, "Points"), h("th", {class: "n"}, "Residual, mm"), h("th", {}, "Changed"))),
+      h("tbody", {}, workcells.map((cell) => h("tr", {},
+        h("td", {}, h("a", {href: `#/workcells/${encodeURIComponent(cell.name)}`}, cell.name)),
         h("td", {}, cell.database), h("td", {}, cell.calibration ?? "–"), h("td", {}, cell.mapping.kind),
-        h("td", {class: "n"}, cell.correspondences.length), h("td", {class: "n"}, number(cell.mapping.residual_mm)), h("td", {}, time(cell.updated_at)))))))
+        h("td", {class: "n"}, cell.correspondences.length), h("td", {class: "n"}, number(cell.mapping.residual_mm)),
+        h("td", {}, time(cell.updated_at)))))))
       : h("p", {class: "note"}, "There is no workcell yet. Make one below."),
     form
       ? h("details", {class: "card", open: workcells.length === 0, id: "new-workcell"}, h("summary", {}, "New workcell"),
@@ -47,7 +51,7 @@ async function list(main, signal) {
         h("a", {href: "#/"}, "overview"), "."));
 }
 
-// The overview and what is asked about it; `onOverview` is given the picture as a loaded <img>.
+// The inspection of an overview; calls `onOverview` with the picture as a loaded <img>.
 function inspecting(workcell, files, onOverview, signal) {
   const result = h("div", {});
   const fault = h("div", {});
@@ -55,9 +59,11 @@ function inspecting(workcell, files, onOverview, signal) {
   const form = h("form", {onSubmit: (event) => event.preventDefault()}, h("div", {class: "fields"},
     textField("Alias", "alias", "", {hint: "Empty: current."}),
     numberField("or version", "version", undefined, {min: 1, step: 1}),
-    choiceField("The pair shows", "pair_view", [["local", "one part, from near"], ["overview", "the whole table, as the overview"]], "local"),
+    choiceField("The pair shows", "pair_view", [["local", "one part, from near"], ["overview", "the whole table, as the overview"]],
+      "local"),
     numberField("that of region", "region", undefined, {min: 1, step: 1, hint: "Empty: the one nearest the middle."})));
-  const tell = () => replace(names, ["overview", "near", "far"].filter((role) => files[role]).map((role) => `${role}: ${files[role].name}`).join(" · "));
+  const showNames = () => replace(names,
+    ["overview", "near", "far"].filter((role) => files[role]).map((role) => `${role}: ${files[role].name}`).join(" · "));
 
   let earlier = new AbortController();
   async function run() {
@@ -85,7 +91,7 @@ function inspecting(workcell, files, onOverview, signal) {
   const again = act("Inspect", run, {place: fault, id: "inspect"});
   function given(role, file) {
     files[role] = file;
-    tell();
+    showNames();
     again.disabled = !files.overview;
     if (role !== "overview") return;
     loaded(file, "The overview", signal).then(onOverview).catch(() => {});
@@ -95,12 +101,13 @@ function inspecting(workcell, files, onOverview, signal) {
   const pair = workcell.calibration
     ? h("div", {class: "split even"}, drop("near", "Near-focused picture"), drop("far", "Far-focused picture"))
     : h("p", {class: "note"}, "Distances need a calibration: name one in the set-up below.");
-  const node = h("section", {class: "card", id: "inspect-card"}, h("h2", {}, "Inspect the table"), drop("overview", "Drop the overview camera's picture"),
+  const node = h("section", {class: "card", id: "inspect-card"}, h("h2", {}, "Inspect the table"),
+    drop("overview", "Drop the overview camera's picture"),
     names,
     h("details", {}, h("summary", {}, "Which version answers, and a focal pair for distances"), form, pair,
-      h("p", {}, act("Without the pair", async () => { delete files.near; delete files.far; tell(); }, {kind: "quiet small"}))),
+      h("p", {}, act("Without the pair", async () => { delete files.near; delete files.far; showNames(); }, {kind: "quiet small"}))),
     h("p", {}, again), fault, result);
-  tell();
+  showNames();
   again.disabled = !files.overview;
   if (files.overview) queueMicrotask(() => given("overview", files.overview));
   return node;
@@ -117,7 +124,8 @@ async function one(main, name, signal, isSetUp = false) {
   }});
   const fact = (term, ...value) => h("div", {}, h("dt", {}, term), h("dd", {}, value));
   const gone = act("Delete", async () => {
-    if (!await confirm(`Delete the workcell ${name}?`, "Its mapping and settings are gone then; its database and calibration stay.", "Delete it")) return;
+    if (!await confirm(`Delete the workcell ${name}?`, "Its mapping and settings are gone then; its database and calibration stay.",
+      "Delete it")) return;
     await remove(address(name));
     kept.delete(name);
     if (!signal.aborted) location.hash = "#/workcells";
@@ -126,16 +134,16 @@ async function one(main, name, signal, isSetUp = false) {
     h("div", {class: "row spread"}, h("h1", {}, `Workcell ${name}`), gone),
     h("dl", {class: "facts"},
       fact("Database", h("a", {href: `#/databases/${encodeURIComponent(workcell.database)}`}, workcell.database)),
-        fact("Calibration", workcell.calibration ?? "none"),
+      fact("Calibration", workcell.calibration ?? "none"),
       fact("Mapping", `${mapping.kind}, ${workcell.correspondences.length} points`), fact("Residual", `${number(mapping.residual_mm)} mm`),
-        fact("Changed", time(workcell.updated_at))),
+      fact("Changed", time(workcell.updated_at))),
     workcell.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word),
       word === "mirrored" ? " With the other direction of Y the points would fit far better, or two of them are exchanged." : "")),
     inspecting(workcell, files, form.show, signal),
     h("details", {class: "card", id: "set-up", open: isSetUp}, h("summary", {}, "Set-up: mapping, points, segmentation"), form.node,
       h("details", {}, h("summary", {}, "The mapping's matrix"),
         h("pre", {tabindex: "0", "aria-label": "Matrix"},
-        mapping.matrix.map((row) => row.map((value) => value.toPrecision(8).padStart(14)).join(" ")).join("\n")),
+          mapping.matrix.map((row) => row.map((value) => value.toPrecision(8).padStart(14)).join(" ")).join("\n")),
         h("p", {class: "muted"}, "(X·w, Y·w, w) = matrix · (x, y, 1)."))));
   if (isSetUp) document.getElementById("set-up").scrollIntoView();
 }

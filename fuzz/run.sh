@@ -3,9 +3,10 @@
 #
 #   fuzz/run.sh [seconds, 60] [target ...]
 #
-# Needs cargo-fuzz (cargo install cargo-fuzz) and, if there is one, a nightly compiler; else the stable one is told to
-# act as one. SANITIZER=address looks into the memory of the crates that use `unsafe`, at half the speed; the default is none.
-# NICE, by default 19, is how far it steps back behind others. KEEP=1 adds inputs that reach something new to fuzz/corpus. An input that ends a target is left in fuzz/artifacts.
+# Needs cargo-fuzz (cargo install cargo-fuzz) and, if there is one, a nightly compiler; else RUSTC_BOOTSTRAP makes the
+# stable one act as one. SANITIZER=address checks the memory of the crates that use `unsafe`, at half the speed; the default is none.
+# NICE is the niceness, by default 19. KEEP=1 adds inputs that reach something new to fuzz/corpus. An input that ends a
+# target is left in fuzz/artifacts.
 # Exits with 1 when there is one.
 set -euo pipefail
 

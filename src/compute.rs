@@ -1,10 +1,10 @@
 //! The bounded CPU pool: permit → run off the async runtime → answer; refuses when full.
 //!
 //! Three lanes, each with threads and memory of its own, so that none starves another. A lane holds at most
-//! `threads` running and `waiting` waiting pieces of work; one more is refused at once, so a pile-up can't form.
-//! Callers take turns: each has a queue of its own, and a full lane makes room for one who waits with less by refusing
-//! the last piece of who waits with the most. Pictures also take what they need from the lane's budget of bytes before
-//! they are decoded.
+//! `threads` running and `most_waiting` waiting pieces of work; one more is refused at once, so a pile-up can't form.
+//! Permits are given by fair queueing: each principal has a flow of its own, and the flows are served round robin. A
+//! full lane makes room for a principal that waits with less by refusing the last piece of the one that waits with the
+//! most. Pictures also take what they need from the lane's budget of bytes before they are decoded.
 
 use std::collections::VecDeque;
 use std::panic::AssertUnwindSafe;
@@ -23,47 +23,56 @@ pub enum Lane {
     /// Background jobs: half as many.
     Training,
     /// Checking uploaded pictures and loading versions: one thread.
-    Upkeep,
+    Maintenance,
 }
 
-/// On whose behalf work is done: callers are treated alike, however much each of them asks for.
+/// On whose behalf work is done: principals are treated alike, however much each of them asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Party {
-    /// Who isn't told apart: everybody without a key, and the service itself.
+pub enum Principal {
+    /// Everybody without a key, and the service itself.
     #[default]
     Anyone,
-    /// Who calls with the key of this id.
+    /// Whoever calls with the key of this id.
     Key(u64),
 }
 
 tokio::task_local! {
-    static PARTY: Party;
+    static PRINCIPAL: Principal;
 }
 
-impl Party {
-    /// On whose behalf this task runs: see [`on_behalf_of`].
+impl Principal {
+    /// The principal of this task: see [`on_behalf_of`].
     pub fn current() -> Self {
-        PARTY.try_with(|party| *party).unwrap_or_default()
+        PRINCIPAL.try_with(|principal| *principal).unwrap_or_default()
     }
 }
 
-/// Have everything that `future` computes done on behalf of that caller; tasks that it spawns are not its own.
-pub fn on_behalf_of<F: Future>(party: Party, future: F) -> impl Future<Output = F::Output> {
-    PARTY.scope(party, future)
+/// Runs `future` with that principal; tasks that it spawns don't have it.
+pub fn on_behalf_of<F: Future>(principal: Principal, future: F) -> impl Future<Output = F::Output> {
+    PRINCIPAL.scope(principal, future)
 }
 
 /// Why work was not done.
 #[derive(Debug, thiserror::Error)]
 pub enum ComputeError {
-    /// Too much waits already; `retry_after` is when the present queue should be gone.
+    /// Too much waits already.
     #[error("all computing threads are busy and {waiting} requests wait already")]
-    Full { waiting: usize, retry_after: Duration },
-    /// The work panicked; the message is for the log, not for the client.
+    Full {
+        /// Pieces of work that wait.
+        waiting: usize,
+        /// How long they are expected to take.
+        retry_after: Duration,
+    },
+    /// The work panicked.
     #[error("the computation failed unexpectedly: {message}")]
-    Panicked { message: String },
+    Panicked {
+        /// For the log, not for the client.
+        message: String,
+    },
     /// The computing threads can't be started.
     #[error("can't start the computing threads")]
     NoThreads {
+        /// What the operating system says.
         #[source]
         source: rayon::ThreadPoolBuildError,
     },
@@ -71,105 +80,115 @@ pub enum ComputeError {
 
 struct LanePool {
     pool: rayon::ThreadPool,
-    turns: Mutex<Turns>,
+    queue: Mutex<FairQueue>,
     threads: usize,
-    /// Those in [`Turns`], and those that have a thread and wait for memory.
+    /// Pieces of work in the queue, and those that have a permit and wait for memory.
     waiting: AtomicUsize,
     most_waiting: usize,
-    /// Mean time of a piece of work, lately.
+    /// Moving average of the time of a piece of work.
     mean_us: AtomicU64,
     /// Counts units of [`MEMORY_UNIT_BYTES`].
     memory: Arc<Semaphore>,
     memory_units: u32,
 }
 
-/// Whose turn it is on a lane.
-struct Turns {
+/// The queue for a lane's permits: one flow a principal, served round robin.
+struct FairQueue {
+    /// Zero while any flow waits.
     free_threads: usize,
-    /// Those who wait, in the order of their turns. While anybody waits no thread is free.
-    queues: VecDeque<Queue>,
+    /// In the order in which they are served next.
+    flows: VecDeque<Flow>,
     next_id: u64,
 }
 
-/// What waits on behalf of one caller; never empty.
-struct Queue {
-    party: Party,
-    waiting: VecDeque<(u64, Call)>,
+/// What waits on behalf of one principal, first come, first served; never empty.
+struct Flow {
+    principal: Principal,
+    waiting: VecDeque<Waiting>,
 }
 
-/// Tells who waits that it has a thread, or that it was refused after all.
-type Call = oneshot::Sender<Result<Thread, ComputeError>>;
+/// A piece of work that waits for a permit.
+struct Waiting {
+    id: u64,
+    answer: Answer,
+}
 
-/// A thread of the lane for one piece of work, given to the next in turn when dropped.
-struct Thread(Arc<LanePool>);
+/// Gives a piece of work its permit, or refuses it after all.
+type Answer = oneshot::Sender<Result<Permit, ComputeError>>;
 
-impl Drop for Thread {
+/// A thread of the lane for one piece of work; dropped, it goes to the next in the queue.
+struct Permit(Arc<LanePool>);
+
+impl Drop for Permit {
     fn drop(&mut self) {
-        let call = self.0.turns().next();
-        if let Some(call) = call {
-            // If it went away meanwhile, the thread comes back and drops here again.
-            let _ = call.send(Ok(Self(Arc::clone(&self.0))));
+        let next = self.0.queue().next();
+        if let Some(answer) = next {
+            // If nobody waits for it any more, the permit comes back and is dropped here again.
+            let _ = answer.send(Ok(Self(Arc::clone(&self.0))));
         }
     }
 }
 
-impl Turns {
-    /// Who has the thread that became free; none waits: it stays free.
-    fn next(&mut self) -> Option<Call> {
-        let Some(mut queue) = self.queues.pop_front() else {
+impl FairQueue {
+    /// The piece of work that gets the thread that became free; the thread stays free when none waits.
+    fn next(&mut self) -> Option<Answer> {
+        let Some(mut flow) = self.flows.pop_front() else {
             self.free_threads += 1;
             return None;
         };
-        let (_, call) = queue.waiting.pop_front().expect("no queue is empty");
-        if !queue.waiting.is_empty() {
-            self.queues.push_back(queue);
+        let next = flow.waiting.pop_front().expect("no flow is empty");
+        if !flow.waiting.is_empty() {
+            self.flows.push_back(flow);
         }
-        Some(call)
+        Some(next.answer)
     }
 
-    /// Wait at the end of the caller's queue.
-    fn join(&mut self, party: Party, call: Call) -> u64 {
+    /// Puts a piece of work at the end of its principal's flow; returns its id.
+    fn push(&mut self, principal: Principal, answer: Answer) -> u64 {
         self.next_id += 1;
-        let id = self.next_id;
-        match self.queues.iter_mut().find(|queue| queue.party == party) {
-            Some(queue) => queue.waiting.push_back((id, call)),
-            None => self.queues.push_back(Queue { party, waiting: VecDeque::from([(id, call)]) }),
+        let waiting = Waiting { id: self.next_id, answer };
+        match self.flows.iter_mut().find(|flow| flow.principal == principal) {
+            Some(flow) => flow.waiting.push_back(waiting),
+            None => self.flows.push_back(Flow { principal, waiting: VecDeque::from([waiting]) }),
         }
-        id
+        self.next_id
     }
 
-    fn leave(&mut self, id: u64) {
-        for queue in &mut self.queues {
-            queue.waiting.retain(|(waiting, _)| *waiting != id);
+    fn remove(&mut self, id: u64) {
+        for flow in &mut self.flows {
+            flow.waiting.retain(|waiting| waiting.id != id);
         }
-        self.queues.retain(|queue| !queue.waiting.is_empty());
+        self.flows.retain(|flow| !flow.waiting.is_empty());
     }
 
-    /// Whether room can be made for one more of `party`: another caller waits with so much more that it is no worse
-    /// off.
-    fn displaces(&self, party: Party) -> bool {
-        let own = self.queues.iter().find(|queue| queue.party == party);
-        let own = own.map_or(0, |queue| queue.waiting.len());
-        self.queues.iter().any(|queue| queue.waiting.len() > own + 1)
+    fn waiting(&self) -> usize {
+        self.flows.iter().map(|flow| flow.waiting.len()).sum()
     }
 
-    /// Make that room: the last of the caller with the most.
-    fn displace(&mut self, party: Party) -> Option<Call> {
-        if !self.displaces(party) {
+    /// Whether room can be made for one more of `principal`: another waits with so much more that it is no worse off.
+    fn can_displace(&self, principal: Principal) -> bool {
+        let own = self.flows.iter().find(|flow| flow.principal == principal);
+        let own = own.map_or(0, |flow| flow.waiting.len());
+        self.flows.iter().any(|flow| flow.waiting.len() > own + 1)
+    }
+
+    /// Takes out the last piece of work of the longest flow, if that makes room for one of `principal`.
+    fn displace(&mut self, principal: Principal) -> Option<Answer> {
+        if !self.can_displace(principal) {
             return None;
         }
-        let (_, call) = self.queues.iter_mut().max_by_key(|queue| queue.waiting.len())?.waiting.pop_back()?;
-        Some(call)
+        let longest = self.flows.iter_mut().max_by_key(|flow| flow.waiting.len())?;
+        Some(longest.waiting.pop_back()?.answer)
     }
 }
 
 /// Finer than any picture that matters, and coarse enough for the semaphore's counter.
 const MEMORY_UNIT_BYTES: u64 = 64 << 10;
-/// How much the mean time of a piece of work follows the latest one: one part in so many.
+/// Inverse weight of the latest piece of work in the moving average of their times.
 const MEAN_OVER: u64 = 16;
-/// What a piece of work takes before one was seen: a frame of a busy robot camera.
+/// Assumed time of a piece of work before one was measured: a frame of a busy robot camera.
 const EXPECTED_US: u64 = 20_000;
-/// How much nicer training is to others than recognition: at 10 the kernel gives it a tenth of a core that both want.
+/// Niceness of training: at 10 the kernel gives it a tenth of a core that recognition wants too.
 const TRAINING_NICENESS: i32 = 10;
 /// Background work queues by itself, one job or body at a time, so its lanes need no tight bound.
 const MOST_WAITING_IN_BACKGROUND: usize = 4096;
@@ -179,57 +198,39 @@ const MOST_WAITING_IN_BACKGROUND: usize = 4096;
 pub struct Compute {
     recognition: Arc<LanePool>,
     training: Arc<LanePool>,
-    upkeep: Arc<LanePool>,
+    maintenance: Arc<LanePool>,
 }
 
-/// A place in the queue of a lane; counted and kept for as long as it lives.
-struct Place {
+/// A place in the queue of a lane; counted until it is dropped.
+struct Ticket {
     lane: Arc<LanePool>,
-    /// None: a thread was free.
+    /// None: it has its permit.
     id: Option<u64>,
-    called: oneshot::Receiver<Result<Thread, ComputeError>>,
+    permit: oneshot::Receiver<Result<Permit, ComputeError>>,
 }
 
-impl Drop for Place {
+impl Drop for Ticket {
     fn drop(&mut self) {
         self.lane.waiting.fetch_sub(1, Ordering::Relaxed);
         if let Some(id) = self.id {
-            self.lane.turns().leave(id);
+            self.lane.queue().remove(id);
         }
     }
 }
 
 impl Compute {
-    /// Start the lanes: `threads` for recognition, the others as [`Lane`] says. Pictures may take `memory_bytes` in
+    /// Starts the lanes: `threads` for recognition, the others as [`Lane`] says. Pictures may take `memory_bytes` in
     /// all: half of it in recognitions, a quarter in each other lane.
     ///
     /// # Errors
     /// The operating system starts no threads.
     pub fn new(threads: usize, waiting_per_thread: usize, memory_bytes: u64) -> Result<Self, ComputeError> {
-        let lane = |name: &'static str, threads: usize, most_waiting: usize, memory_bytes: u64, niceness| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .thread_name(move |n| format!("{name}-{n}"))
-                .start_handler(move |_| lower_priority(niceness))
-                .build()
-                .map_err(|source| ComputeError::NoThreads { source })?;
-            let memory_units = (memory_bytes / MEMORY_UNIT_BYTES).clamp(1, 1 << 24) as u32;
-            Ok(Arc::new(LanePool {
-                pool,
-                turns: Mutex::new(Turns { free_threads: threads, queues: VecDeque::new(), next_id: 0 }),
-                threads,
-                waiting: AtomicUsize::new(0),
-                most_waiting,
-                mean_us: AtomicU64::new(EXPECTED_US),
-                memory: Arc::new(Semaphore::new(memory_units as usize)),
-                memory_units,
-            }))
-        };
         let (waiting, background) = (threads * waiting_per_thread, MOST_WAITING_IN_BACKGROUND);
+        let (half, quarter) = (memory_bytes / 2, memory_bytes / 4);
         Ok(Self {
-            recognition: lane("recognise", threads.max(1), waiting, memory_bytes / 2, 0)?,
-            training: lane("train", (threads / 2).max(1), background, memory_bytes / 4, TRAINING_NICENESS)?,
-            upkeep: lane("upkeep", 1, background, memory_bytes / 4, 0)?,
+            recognition: LanePool::start("recognise", threads.max(1), waiting, half, 0)?,
+            training: LanePool::start("train", (threads / 2).max(1), background, quarter, TRAINING_NICENESS)?,
+            maintenance: LanePool::start("maintenance", 1, background, quarter, 0)?,
         })
     }
 
@@ -237,7 +238,7 @@ impl Compute {
         match lane {
             Lane::Recognition => &self.recognition,
             Lane::Training => &self.training,
-            Lane::Upkeep => &self.upkeep,
+            Lane::Maintenance => &self.maintenance,
         }
     }
 
@@ -254,30 +255,31 @@ impl Compute {
     /// Pieces of work that run on the lane now.
     pub fn running(&self, lane: Lane) -> usize {
         let lane = self.lane(lane);
-        lane.threads - lane.turns().free_threads
+        lane.threads - lane.queue().free_threads
     }
 
-    /// Whether the caller would be let in now; by the time it asks that may have changed.
+    /// Whether the lane would take work of the current principal now; by the time it asks that may have changed.
     ///
     /// # Errors
     /// [`ComputeError::Full`] as of [`Compute::run`].
     pub fn room(&self, lane: Lane) -> Result<(), ComputeError> {
         let lane = self.lane(lane);
-        let turns = lane.turns();
-        match lane.full(&turns) {
-            Some(full) if !turns.displaces(Party::current()) => Err(full),
+        let queue = lane.queue();
+        match lane.refusal(&queue) {
+            Some(full) if !queue.can_displace(Principal::current()) => Err(full),
             _ => Ok(()),
         }
     }
 
-    /// Run `work` on a thread of the lane and return its value with the time it waited for the thread.
+    /// Runs `work` on a thread of the lane and returns its value with the time that it waited for the thread.
     ///
     /// `picture_bytes` is what the picture takes while it is worked on (0: no picture); it is taken from the
     /// lane's budget first. A picture larger than the whole budget gets all of it: it then runs alone.
-    /// When whoever awaits it goes away while the work waits, the work is dropped unrun.
+    /// When the returned future is dropped while the work waits, the work is dropped unrun.
     ///
     /// # Errors
-    /// [`ComputeError::Full`] when too much waits already, at once or when another caller needs the place; [`ComputeError::Panicked`] when `work` panicked.
+    /// [`ComputeError::Full`] when too much waits already, at once or when another principal needs the place;
+    /// [`ComputeError::Panicked`] when `work` panicked.
     pub async fn run<T, F>(
         &self,
         lane: Lane,
@@ -289,9 +291,9 @@ impl Compute {
         F: FnOnce() -> T + Send + 'static,
     {
         let lane = Arc::clone(self.lane(lane));
-        let place = lane.queue(Party::current())?;
-        // A task of its own: a caller that isn't polled for a while must not sit on a permit it was given.
-        let task = tokio::spawn(lane.wait_and_run(place, picture_bytes, work));
+        let ticket = lane.enqueue(Principal::current())?;
+        // A task of its own: a future that isn't polled for a while must not sit on its permit.
+        let task = tokio::spawn(lane.wait_and_run(ticket, picture_bytes, work));
         match AbortOnDropHandle::new(task).await {
             Ok(done) => done,
             Err(error) => Err(ComputeError::Panicked { message: error.to_string() }),
@@ -300,55 +302,81 @@ impl Compute {
 }
 
 impl LanePool {
-    fn turns(&self) -> MutexGuard<'_, Turns> {
-        self.turns.lock().unwrap_or_else(PoisonError::into_inner)
+    fn start(
+        name: &'static str,
+        threads: usize,
+        most_waiting: usize,
+        memory_bytes: u64,
+        niceness: i32,
+    ) -> Result<Arc<Self>, ComputeError> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(move |n| format!("{name}-{n}"))
+            .start_handler(move |_| lower_priority(niceness))
+            .build()
+            .map_err(|source| ComputeError::NoThreads { source })?;
+        let memory_units = (memory_bytes / MEMORY_UNIT_BYTES).clamp(1, 1 << 24) as u32;
+        Ok(Arc::new(Self {
+            pool,
+            queue: Mutex::new(FairQueue { free_threads: threads, flows: VecDeque::new(), next_id: 0 }),
+            threads,
+            waiting: AtomicUsize::new(0),
+            most_waiting,
+            mean_us: AtomicU64::new(EXPECTED_US),
+            memory: Arc::new(Semaphore::new(memory_units as usize)),
+            memory_units,
+        }))
     }
 
-    /// A free thread, or a place to wait for one.
-    fn queue(self: &Arc<Self>, party: Party) -> Result<Place, ComputeError> {
-        let (call, called) = oneshot::channel();
-        let mut turns = self.turns();
-        let id = if turns.free_threads > 0 {
-            turns.free_threads -= 1;
+    fn queue(&self) -> MutexGuard<'_, FairQueue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A ticket with a permit while a thread is free, else with a place in the queue.
+    fn enqueue(self: &Arc<Self>, principal: Principal) -> Result<Ticket, ComputeError> {
+        let (answer, permit) = oneshot::channel();
+        let mut queue = self.queue();
+        let id = if queue.free_threads > 0 {
+            queue.free_threads -= 1;
             // Can't fail: the receiver is here.
-            let _ = call.send(Ok(Thread(Arc::clone(self))));
+            let _ = answer.send(Ok(Permit(Arc::clone(self))));
             None
         } else {
-            if let Some(full) = self.full(&turns) {
-                match turns.displace(party) {
-                    // If it went away meanwhile, there is room all the same.
-                    Some(call) => drop(call.send(Err(full))),
+            if let Some(full) = self.refusal(&queue) {
+                match queue.displace(principal) {
+                    // If nobody waits for it any more, there is room all the same.
+                    Some(displaced) => drop(displaced.send(Err(full))),
                     None => return Err(full),
                 }
             }
-            Some(turns.join(party, call))
+            Some(queue.push(principal, answer))
         };
         self.waiting.fetch_add(1, Ordering::Relaxed);
-        Ok(Place { lane: Arc::clone(self), id, called })
+        Ok(Ticket { lane: Arc::clone(self), id, permit })
     }
 
-    /// What is said to who finds no room; none while there is some.
-    fn full(&self, turns: &Turns) -> Option<ComputeError> {
-        let waiting = turns.queues.iter().map(|queue| queue.waiting.len()).sum::<usize>();
-        let is_full = turns.free_threads == 0 && waiting >= self.most_waiting;
-        is_full.then(|| ComputeError::Full { waiting, retry_after: self.work_off(waiting) })
+    /// The error of a full lane; none while there is room.
+    fn refusal(&self, queue: &FairQueue) -> Option<ComputeError> {
+        let waiting = queue.waiting();
+        let is_full = queue.free_threads == 0 && waiting >= self.most_waiting;
+        is_full.then(|| ComputeError::Full { waiting, retry_after: self.time_for(waiting) })
     }
 
-    /// How long so many pieces of work take, by what they took lately.
-    fn work_off(&self, waiting: usize) -> Duration {
+    /// How long so many pieces of work are expected to take.
+    fn time_for(&self, waiting: usize) -> Duration {
         Duration::from_micros(self.mean_us.load(Ordering::Relaxed) * waiting as u64 / self.threads as u64)
     }
 
-    fn took(&self, time: Duration) {
+    fn update_mean(&self, took: Duration) {
         let mean = self.mean_us.load(Ordering::Relaxed);
-        let follows = mean - mean / MEAN_OVER + time.as_micros() as u64 / MEAN_OVER;
-        // Of two that end at once one may be forgotten: it's a mean.
+        let follows = mean - mean / MEAN_OVER + took.as_micros() as u64 / MEAN_OVER;
+        // Of two that end at once one may be lost: it's a mean.
         self.mean_us.store(follows, Ordering::Relaxed);
     }
 
     async fn wait_and_run<T, F>(
         self: Arc<Self>,
-        mut place: Place,
+        mut ticket: Ticket,
         picture_bytes: u64,
         work: F,
     ) -> Result<(T, Duration), ComputeError>
@@ -357,29 +385,27 @@ impl LanePool {
         F: FnOnce() -> T + Send + 'static,
     {
         let arrived = Instant::now();
-        let thread = (&mut place.called).await.expect("who leaves a queue is called or has gone away")?;
-        place.id = None;
+        let permit = (&mut ticket.permit).await.expect("a ticket is answered or dropped")?;
+        ticket.id = None;
         let units = picture_bytes.div_ceil(MEMORY_UNIT_BYTES).min(u64::from(self.memory_units)) as u32;
         let memory = Arc::clone(&self.memory).acquire_many_owned(units).await.expect("never closed");
-        drop(place);
+        drop(ticket);
         let queued = arrived.elapsed();
-        let (answer, receive) = tokio::sync::oneshot::channel();
+        let (sender, receiver) = oneshot::channel();
         self.pool.spawn(move || {
-            let result = if answer.is_closed() {
-                None
-            } else {
+            let result = (!sender.is_closed()).then(|| {
                 let begun = Instant::now();
                 let result = std::panic::catch_unwind(AssertUnwindSafe(work));
-                thread.0.took(begun.elapsed());
-                Some(result)
-            };
-            drop((thread, memory));
+                permit.0.update_mean(begun.elapsed());
+                result
+            });
+            drop((permit, memory));
             if let Some(result) = result {
-                // The receiver may have hung up meanwhile: then nobody needs the value.
-                let _ = answer.send(result);
+                // The receiver may be gone meanwhile: then nobody needs the value.
+                let _ = sender.send(result);
             }
         });
-        match receive.await {
+        match receiver.await {
             Ok(Ok(value)) => Ok((value, queued)),
             Ok(Err(panic)) => Err(ComputeError::Panicked { message: panic_message(&*panic) }),
             Err(_) => Err(ComputeError::Panicked { message: "the computing thread went away".into() }),
@@ -387,8 +413,8 @@ impl LanePool {
     }
 }
 
-/// Make the calling thread nicer to others; it matters only when there is more to do than cores. On Linux a thread has
-/// a niceness of its own; elsewhere the whole process would get it.
+/// Raises the niceness of the calling thread, which matters only when there is more to do than cores. On Linux a thread
+/// has a niceness of its own; elsewhere the whole process would get it.
 fn lower_priority(niceness: i32) {
     #[cfg(target_os = "linux")]
     if niceness > 0 {
@@ -525,17 +551,17 @@ mod tests {
         (compute, release)
     }
 
-    const FLOOD: Party = Party::Key(1);
-    const STEADY: Party = Party::Key(2);
+    const FLOOD: Principal = Principal::Key(1);
+    const STEADY: Principal = Principal::Key(2);
 
     #[tokio::test]
-    async fn callers_take_turns_however_much_one_of_them_asks_for() {
+    async fn principals_are_served_round_robin_however_much_one_of_them_asks_for() {
         let (compute, release) = held_lane(100).await;
         let order = Arc::new(Mutex::new(Vec::new()));
-        let ask = |party: Party| {
+        let ask = |principal: Principal| {
             let (compute, order) = (compute.clone(), Arc::clone(&order));
-            tokio::spawn(on_behalf_of(party, async move {
-                compute.run(Lane::Recognition, 0, move || order.lock().unwrap().push(party)).await.is_ok()
+            tokio::spawn(on_behalf_of(principal, async move {
+                compute.run(Lane::Recognition, 0, move || order.lock().unwrap().push(principal)).await.is_ok()
             }))
         };
         let mut asked: Vec<_> = (0..10).map(|_| ask(FLOOD)).collect();
@@ -556,12 +582,12 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_full_lane_makes_room_for_who_waits_with_less() {
+    async fn a_full_lane_makes_room_for_the_principal_that_waits_with_less() {
         let (compute, release) = held_lane(4).await;
-        let ask = |party| -> BoxFuture<'static, bool> {
+        let ask = |principal| -> BoxFuture<'static, bool> {
             let compute = compute.clone();
             let asked = async move { compute.run(Lane::Recognition, 0, || ()).await.is_ok() };
-            Box::pin(on_behalf_of(party, asked))
+            Box::pin(on_behalf_of(principal, asked))
         };
         let mut flood: Vec<_> = (0..6).map(|_| ask(FLOOD)).collect();
         let mut steady: Vec<_> = (0..3).map(|_| ask(STEADY)).collect();
@@ -595,9 +621,9 @@ mod tests {
             compute.run(Lane::Recognition, 0, work).await.unwrap();
         }
         let lane = compute.lane(Lane::Recognition);
-        let one = lane.work_off(1);
+        let one = lane.time_for(1);
         assert!(one >= Duration::from_millis(2) && one < Duration::from_micros(EXPECTED_US), "{one:?}");
-        assert!(lane.work_off(100) >= 99 * one);
+        assert!(lane.time_for(100) >= 99 * one);
     }
 
     #[cfg(target_os = "linux")]

@@ -135,6 +135,115 @@ impl GivenSettings {
             SettingsError::Malformed { path: path.into(), line, what: error.message().to_owned() }
         })
     }
+
+    /// These settings; what is absent is taken from `other`.
+    fn over(self, other: Self) -> Self {
+        Self {
+            bind: self.bind.or(other.bind),
+            data_dir: self.data_dir.or(other.data_dir),
+            catalogue: self.catalogue.or(other.catalogue),
+            blobs: self.blobs.or(other.blobs),
+            cache_limit_mb: self.cache_limit_mb.or(other.cache_limit_mb),
+            role: self.role.or(other.role),
+            serve: self.serve.or(other.serve),
+            threads: self.threads.or(other.threads),
+            memory_limit_mb: self.memory_limit_mb.or(other.memory_limit_mb),
+            insecure: self.insecure.or(other.insecure),
+            log_format: self.log_format.or(other.log_format),
+            max_body_mb: self.max_body_mb.or(other.max_body_mb),
+            max_side_px: self.max_side_px.or(other.max_side_px),
+            max_megapixels: self.max_megapixels.or(other.max_megapixels),
+            max_batch_parts: self.max_batch_parts.or(other.max_batch_parts),
+            max_batch_mb: self.max_batch_mb.or(other.max_batch_mb),
+            waiting_per_thread: self.waiting_per_thread.or(other.waiting_per_thread),
+            request_timeout_s: self.request_timeout_s.or(other.request_timeout_s),
+            tls_cert: self.tls_cert.or(other.tls_cert),
+            tls_key: self.tls_key.or(other.tls_key),
+            max_connections: self.max_connections.or(other.max_connections),
+            header_timeout_s: self.header_timeout_s.or(other.header_timeout_s),
+            body_timeout_s: self.body_timeout_s.or(other.body_timeout_s),
+            idle_timeout_s: self.idle_timeout_s.or(other.idle_timeout_s),
+        }
+    }
+
+    fn shared(&self) -> Result<Option<Shared>, SettingsError> {
+        let cache_limit_mb = ranged("cache_limit_mb", self.cache_limit_mb, 4096, 0, 1 << 24)?;
+        match (self.catalogue.clone(), self.blobs.clone()) {
+            (None, None) => Ok(None),
+            (Some(catalogue), Some(blobs)) => {
+                Ok(Some(Shared { catalogue, blobs, cache_limit_bytes: cache_limit_mb << 20 }))
+            }
+            _ => Err(SettingsError::HalfShared),
+        }
+    }
+
+    fn tls(&self) -> Result<Option<TlsFiles>, SettingsError> {
+        match (self.tls_cert.clone(), self.tls_key.clone()) {
+            (None, None) => Ok(None),
+            (Some(cert), Some(key)) => Ok(Some(TlsFiles { cert, key })),
+            _ => Err(SettingsError::HalfTls),
+        }
+    }
+
+    fn holds(&self, role: Role) -> Result<Option<glob::Pattern>, SettingsError> {
+        let given = self.serve.clone().unwrap_or_else(|| "*".to_owned());
+        match glob::Pattern::new(&given) {
+            Ok(pattern) => Ok((role != Role::Train).then_some(pattern)),
+            Err(source) => Err(SettingsError::NoPattern { given, source }),
+        }
+    }
+
+    fn limits(&self) -> Result<Limits, SettingsError> {
+        let defaults = Limits::default();
+        let count = |setting, given: Option<usize>, default: usize, least, most| {
+            ranged(setting, given, default as u64, least, most).map(|number| number as usize)
+        };
+        let mib = |setting, given: Option<u64>, default_bytes: u64, most| {
+            ranged(setting, given, default_bytes >> 20, 1, most).map(|number| number << 20)
+        };
+        let seconds = |setting, given: Option<u64>, default: Duration, most| {
+            ranged(setting, given, default.as_secs(), 1, most).map(Duration::from_secs)
+        };
+        let side_px = u64::from(defaults.max_side_px);
+        let megapixels = defaults.max_pixels / 1_000_000;
+        Ok(Limits {
+            max_body_bytes: mib("max_body_mb", self.max_body_mb, defaults.max_body_bytes, 256)?,
+            max_side_px: ranged("max_side_px", self.max_side_px, side_px, 16, 32_768)? as u32,
+            max_pixels: ranged("max_megapixels", self.max_megapixels, megapixels, 1, 200)? * 1_000_000,
+            max_batch_parts: count(
+                "max_batch_parts",
+                self.max_batch_parts,
+                defaults.max_batch_parts,
+                1,
+                100_000,
+            )?,
+            max_batch_bytes: mib("max_batch_mb", self.max_batch_mb, defaults.max_batch_bytes, 64 << 10)?,
+            waiting_per_thread: count(
+                "waiting_per_thread",
+                self.waiting_per_thread,
+                defaults.waiting_per_thread,
+                0,
+                10_000,
+            )?,
+            request_timeout: seconds(
+                "request_timeout_s",
+                self.request_timeout_s,
+                defaults.request_timeout,
+                3600,
+            )?,
+            max_connections: count(
+                "max_connections",
+                self.max_connections,
+                defaults.max_connections,
+                2,
+                100_000,
+            )?,
+            header_timeout: seconds("header_timeout_s", self.header_timeout_s, defaults.header_timeout, 600)?,
+            body_timeout: seconds("body_timeout_s", self.body_timeout_s, defaults.body_timeout, 3600)?,
+            idle_timeout: seconds("idle_timeout_s", self.idle_timeout_s, defaults.idle_timeout, 3600)?,
+            ..defaults
+        })
+    }
 }
 
 /// Where a shared catalogue is; it holds a password, so it isn't shown.
@@ -195,6 +304,7 @@ fn default_data_dir() -> PathBuf {
 /// What the processes of a fleet share.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shared {
+    /// Its PostgreSQL catalogue.
     pub catalogue: SharedCatalogue,
     /// `s3://bucket/prefix`.
     pub blobs: String,
@@ -205,7 +315,9 @@ pub struct Shared {
 /// Where the service's certificate and its key are, both as PEM.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TlsFiles {
+    /// The certificate chain, the service's own certificate first.
     pub cert: PathBuf,
+    /// The private key.
     pub key: PathBuf,
 }
 
@@ -249,9 +361,9 @@ pub struct Limits {
     /// Longest time the body of a request may take to arrive.
     pub body_timeout: Duration,
     /// Longest time between two requests of a connection: over the minute that proxies and clients keep theirs, so
-    /// that it is they who close.
+    /// that they are the ones to close.
     pub idle_timeout: Duration,
-    /// Longest time a client may leave an answer lying; taking 16 KiB counts as going on.
+    /// Longest time a client may take over each 16 KiB of an answer.
     pub write_timeout: Duration,
 }
 
@@ -284,10 +396,13 @@ impl Default for Limits {
 /// The settings in force.
 #[derive(Debug, Clone)]
 pub struct Settings {
+    /// Address to listen on.
     pub bind: SocketAddr,
+    /// Folder of catalogue and blobs, or in a fleet of copies of blobs.
     pub data_dir: PathBuf,
     /// None: the data folder holds everything, and this process alone works in it.
     pub shared: Option<Shared>,
+    /// The process's part of a fleet's work.
     pub role: Role,
     /// Databases whose versions are held in memory before they are asked for; none for a process that only trains.
     pub holds: Option<glob::Pattern>,
@@ -295,34 +410,72 @@ pub struct Settings {
     pub threads: usize,
     /// Bytes that loaded versions without an alias may take.
     pub memory_limit_bytes: u64,
+    /// Whether a service without keys may listen on an address other than loopback.
     pub insecure: bool,
     /// None: HTTP without TLS.
     pub tls: Option<TlsFiles>,
+    /// How log lines are written.
     pub log_format: LogFormat,
+    /// What is refused.
     pub limits: Limits,
 }
 
-/// Why the settings can't be used; the text says what to do.
+/// Why the settings can't be used, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
+    /// The file isn't there, or may not be read.
     #[error("can't read the settings file {path}: check the path given with --config")]
-    Unreadable { path: PathBuf, source: std::io::Error },
-    /// Its text isn't repeated: it may hold the catalogue's password.
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file is no TOML, or holds an unknown setting. Its text isn't repeated: it may hold the catalogue's password.
     #[error("the settings file {path} is not right, at its line {line}: {what}")]
-    Malformed { path: PathBuf, line: usize, what: String },
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong there.
+        what: String,
+    },
+    /// A shared catalogue without shared blobs, or the other way round.
     #[error(
         "--catalogue and --blobs belong together: a catalogue that several processes share names blobs that all of \
          them must reach. Give both, or neither for one process on --data-dir"
     )]
     HalfShared,
+    /// A certificate without its key, or the other way round.
     #[error("--tls-cert and --tls-key belong together: give both for HTTPS, or neither for HTTP")]
     HalfTls,
+    /// The names of databases to hold are no pattern.
     #[error("--serve {given} is no pattern: names with * and ? are, such as floor-*")]
-    NoPattern { given: String, source: glob::PatternError },
+    NoPattern {
+        /// As given.
+        given: String,
+        /// What is wrong with it.
+        source: glob::PatternError,
+    },
+    /// A part of a fleet's work for a process that shares nothing.
     #[error("--role {} needs a catalogue that others share: give --catalogue and --blobs", role.as_str())]
-    RoleAlone { role: Role },
+    RoleAlone {
+        /// As given.
+        role: Role,
+    },
+    /// A number that the service can't work with.
     #[error("{setting} is {given}; it must be between {least} and {most}")]
-    OutOfRange { setting: &'static str, given: u64, least: u64, most: u64 },
+    OutOfRange {
+        /// Name of the setting, as in the file.
+        setting: &'static str,
+        /// As given, or the default.
+        given: u64,
+        /// The least that is taken.
+        least: u64,
+        /// The most that is taken.
+        most: u64,
+    },
 }
 
 impl Settings {
@@ -331,148 +484,48 @@ impl Settings {
         self.bind.ip().is_loopback() || self.insecure
     }
 
-    /// Settle what was given on the command line and in the environment with the file at `config`, if any.
+    /// The settings as given on the command line and in the environment, over those of the file at `config` if there
+    /// is one, over the defaults.
     ///
     /// # Errors
-    /// An unreadable or malformed file, or a number out of its range.
+    /// An unreadable or malformed file, a number out of its range, or settings that exclude each other.
     pub fn settle(given: GivenSettings, config: Option<&Path>) -> Result<Self, SettingsError> {
-        let file = GivenSettings::of_file(config)?;
-        let defaults = Limits::default();
+        let given = given.over(GivenSettings::of_file(config)?);
         let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
-        let number = |setting, flag: Option<u64>, file: Option<u64>, default: u64, least: u64, most: u64| {
-            let given = flag.or(file).unwrap_or(default);
-            if (least..=most).contains(&given) {
-                Ok(given)
-            } else {
-                Err(SettingsError::OutOfRange { setting, given, least, most })
-            }
-        };
-        let size = |value: Option<usize>| value.map(|n| n as u64);
-        let cache_limit_mb =
-            number("cache_limit_mb", given.cache_limit_mb, file.cache_limit_mb, 4096, 0, 1 << 24)?;
-        let shared = match (given.catalogue.or(file.catalogue), given.blobs.or(file.blobs)) {
-            (None, None) => None,
-            (Some(catalogue), Some(blobs)) => {
-                Some(Shared { catalogue, blobs, cache_limit_bytes: cache_limit_mb << 20 })
-            }
-            _ => return Err(SettingsError::HalfShared),
-        };
-        let tls = match (given.tls_cert.or(file.tls_cert), given.tls_key.or(file.tls_key)) {
-            (None, None) => None,
-            (Some(cert), Some(key)) => Some(TlsFiles { cert, key }),
-            _ => return Err(SettingsError::HalfTls),
-        };
-        let role = given.role.or(file.role).unwrap_or(Role::All);
+        let (shared, tls) = (given.shared()?, given.tls()?);
+        let role = given.role.unwrap_or(Role::All);
         if shared.is_none() && role != Role::All {
             return Err(SettingsError::RoleAlone { role });
         }
-        let pattern = given.serve.or(file.serve).unwrap_or_else(|| "*".to_owned());
-        let holds = glob::Pattern::new(&pattern)
-            .map_err(|source| SettingsError::NoPattern { given: pattern, source })?;
-        let settings = Self {
-            bind: given.bind.or(file.bind).unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
-            data_dir: given.data_dir.or(file.data_dir).unwrap_or_else(default_data_dir),
+        Ok(Self {
+            bind: given.bind.unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
             shared,
             role,
-            holds: (role != Role::Train).then_some(holds),
-            threads: number("threads", size(given.threads), size(file.threads), cores, 1, 1024)? as usize,
-            memory_limit_bytes: number(
-                "memory_limit_mb",
-                given.memory_limit_mb,
-                file.memory_limit_mb,
-                1024,
-                0,
-                1 << 20,
-            )? << 20,
-            insecure: given.insecure.or(file.insecure).unwrap_or(false),
+            holds: given.holds(role)?,
+            threads: ranged("threads", given.threads, cores, 1, 1024)? as usize,
+            memory_limit_bytes: ranged("memory_limit_mb", given.memory_limit_mb, 1024, 0, 1 << 20)? << 20,
+            insecure: given.insecure.unwrap_or(false),
             tls,
-            log_format: given.log_format.or(file.log_format).unwrap_or(LogFormat::Text),
-            limits: Limits {
-                max_body_bytes: number("max_body_mb", given.max_body_mb, file.max_body_mb, 16, 1, 256)? << 20,
-                max_side_px: number(
-                    "max_side_px",
-                    given.max_side_px.map(u64::from),
-                    file.max_side_px.map(u64::from),
-                    u64::from(defaults.max_side_px),
-                    16,
-                    32_768,
-                )? as u32,
-                max_pixels: number(
-                    "max_megapixels",
-                    given.max_megapixels,
-                    file.max_megapixels,
-                    defaults.max_pixels / 1_000_000,
-                    1,
-                    200,
-                )? * 1_000_000,
-                max_batch_parts: number(
-                    "max_batch_parts",
-                    size(given.max_batch_parts),
-                    size(file.max_batch_parts),
-                    defaults.max_batch_parts as u64,
-                    1,
-                    100_000,
-                )? as usize,
-                max_batch_bytes: number(
-                    "max_batch_mb",
-                    given.max_batch_mb,
-                    file.max_batch_mb,
-                    512,
-                    1,
-                    64 << 10,
-                )? << 20,
-                waiting_per_thread: number(
-                    "waiting_per_thread",
-                    size(given.waiting_per_thread),
-                    size(file.waiting_per_thread),
-                    defaults.waiting_per_thread as u64,
-                    0,
-                    10_000,
-                )? as usize,
-                request_timeout: Duration::from_secs(number(
-                    "request_timeout_s",
-                    given.request_timeout_s,
-                    file.request_timeout_s,
-                    60,
-                    1,
-                    3600,
-                )?),
-                max_connections: number(
-                    "max_connections",
-                    size(given.max_connections),
-                    size(file.max_connections),
-                    defaults.max_connections as u64,
-                    2,
-                    100_000,
-                )? as usize,
-                header_timeout: Duration::from_secs(number(
-                    "header_timeout_s",
-                    given.header_timeout_s,
-                    file.header_timeout_s,
-                    10,
-                    1,
-                    600,
-                )?),
-                body_timeout: Duration::from_secs(number(
-                    "body_timeout_s",
-                    given.body_timeout_s,
-                    file.body_timeout_s,
-                    30,
-                    1,
-                    3600,
-                )?),
-                idle_timeout: Duration::from_secs(number(
-                    "idle_timeout_s",
-                    given.idle_timeout_s,
-                    file.idle_timeout_s,
-                    75,
-                    1,
-                    3600,
-                )?),
-                ..defaults
-            },
-        };
-        Ok(settings)
+            log_format: given.log_format.unwrap_or(LogFormat::Text),
+            limits: given.limits()?,
+            data_dir: given.data_dir.unwrap_or_else(default_data_dir),
+        })
+    }
+}
+
+/// The number given for a setting, or its default, if it is between `least` and `most`.
+fn ranged(
+    setting: &'static str,
+    given: Option<impl TryInto<u64>>,
+    default: u64,
+    least: u64,
+    most: u64,
+) -> Result<u64, SettingsError> {
+    let given = given.map_or(default, |number| number.try_into().unwrap_or(u64::MAX));
+    if (least..=most).contains(&given) {
+        Ok(given)
+    } else {
+        Err(SettingsError::OutOfRange { setting, given, least, most })
     }
 }
 

@@ -1,12 +1,12 @@
 //! Connections: how many there are, how long each may take over what, HTTP/1.1 or HTTP/2 over each, and how they end.
 //!
-//! One clock a connection says when it has run out: a header must come within `header_timeout` of the connection or of
-//! its own first byte (a TLS handshake included), the next request within `idle_timeout`, and each piece of an answer
-//! must be taken within `write_timeout`. While a request is worked on the limits of `http` hold.
+//! A timer per connection ends it: a header must come within `header_timeout` of the connection or of its own first byte
+//! (a TLS handshake included), the next request within `idle_timeout`, and each piece of a response must be taken within
+//! `write_timeout`. While a request is worked on the limits of `http` hold.
 //!
 //! What a connection may take: with HTTP/1.1 two buffers of 16 KiB; with HTTP/2 256 KiB of bodies that nobody has read
-//! yet, and of each of 32 streams 16 KiB of headers and two pieces of 16 KiB of an answer: 1.75 MiB; TLS adds 0.1 MiB.
-//! Answers themselves are held by their requests, which `http` bounds.
+//! yet, and of each of 32 streams 16 KiB of headers and two pieces of 16 KiB of a response: 1.75 MiB; TLS adds 0.1 MiB.
+//! Responses themselves are held by their requests, which `http` bounds.
 
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -39,24 +39,24 @@ use crate::config::Limits;
 const MAX_HEADER_BYTES: usize = 16 << 10;
 /// Requests that a connection may have at once with HTTP/2: more than a camera's worth.
 const MAX_STREAMS: u32 = 32;
-/// What of bodies may lie unread: at 20 ms to the client and back, 13 MB a second.
+/// Flow-control window of HTTP/2, unread bytes of bodies: at 20 ms to the client and back, 13 MB a second.
 const WINDOW_BYTES: u32 = 256 << 10;
-/// What of an answer may wait for the client to take it, besides one piece.
+/// Bytes of a response that may wait in hyper for the client to take them, besides one piece.
 const MAX_SEND_BYTES: usize = 16 << 10;
 /// Streams that a client may open and reset before the connection ends.
 const MAX_RESET_STREAMS: usize = 20;
-/// How often a client of HTTP/2 is asked whether it is there; as long again it has to answer.
+/// Time between two pings of a client of HTTP/2, and the time that it has to answer one.
 const PING_EVERY: Duration = Duration::from_secs(20);
-/// What of an answer a client must take in each `write_timeout`: 0.5 kB a second.
+/// Bytes of a response that a client must take in each `write_timeout`: 0.5 kB a second.
 const PIECE_BYTES: usize = 16 << 10;
-/// How long requests in flight may take to end at shutdown.
-const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(20);
-/// How long the last bytes of an answer may take to leave at shutdown.
-const FAREWELL: Duration = Duration::from_secs(2);
-/// How long nothing is accepted after that failed: the machine may be out of descriptors.
+/// Longest time that requests in flight may take to end at shutdown.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(20);
+/// Longest time that the last bytes of a response may take to leave at shutdown.
+const LINGER_TIMEOUT: Duration = Duration::from_secs(2);
+/// Pause after a failed accept: the machine may be out of descriptors.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(500);
 
-/// Serve whoever connects until `shutdown` turns true; then let what runs end, for 20 s at most.
+/// Serves every connection until `shutdown` turns true; then waits for running requests, for 20 s at most.
 pub async fn serve(
     listener: TcpListener,
     tls: Option<watch::Receiver<Arc<ServerConfig>>>,
@@ -64,10 +64,10 @@ pub async fn serve(
     limits: &Limits,
     mut shutdown: watch::Receiver<bool>,
 ) {
-    let seats = Arc::new(Seats { most: limits.max_connections, taken: Mutex::default() });
-    let patience =
-        Patience { header: limits.header_timeout, idle: limits.idle_timeout, write: limits.write_timeout };
-    let speaker = Speaker::new(router);
+    let limiter = Arc::new(ConnectionLimiter { most: limits.max_connections, open: Mutex::default() });
+    let timeouts =
+        Timeouts { header: limits.header_timeout, idle: limits.idle_timeout, write: limits.write_timeout };
+    let server = HttpServer::new(router);
     let mut connections = JoinSet::new();
     loop {
         let accepted = tokio::select! {
@@ -83,31 +83,31 @@ pub async fn serve(
                 continue;
             }
         };
-        // One too many is closed at once: whoever waited in the dark would come again all the same.
-        let Some(seat) = Seats::take(&seats, network(peer.ip())) else { continue };
+        // One too many is closed at once: a client that is kept waiting without a word would come again all the same.
+        let Some(permit) = limiter.acquire(network(peer.ip())) else { continue };
         // Of no consequence where it can't be set.
         let _ = stream.set_nodelay(true);
         let tls = tls.as_ref().map(|tls| TlsAcceptor::from(Arc::clone(&tls.borrow())));
-        let attending = speaker.clone().attend(stream, tls, patience, shutdown.clone());
+        let serving = server.clone().serve_connection(stream, tls, timeouts, shutdown.clone());
         connections.spawn(async move {
-            attending.await;
-            drop(seat);
+            serving.await;
+            drop(permit);
         });
     }
     drop(listener);
     let rest = async { while connections.join_next().await.is_some() {} };
     // Those that are left end with the set.
-    let _ = tokio::time::timeout(SHUTDOWN_PATIENCE, rest).await;
+    let _ = tokio::time::timeout(SHUTDOWN_TIMEOUT, rest).await;
 }
 
-/// Who is connected. An address may have as many connections as are still free: one alone gets half of them, and
-/// leaves as many to others.
-struct Seats {
+/// Limits connections in all and of each address. An address may have as many as are still free: one alone gets half of
+/// them, and leaves as many to others.
+struct ConnectionLimiter {
     most: usize,
-    taken: Mutex<HashMap<IpAddr, usize>>,
+    open: Mutex<HashMap<IpAddr, usize>>,
 }
 
-/// Whom connections of an address count for: with IPv6 the network, all of which one machine has.
+/// The address that a peer's connections count for: with IPv6 its network, all of which one machine has.
 fn network(peer: IpAddr) -> IpAddr {
     match peer.to_canonical() {
         IpAddr::V6(address) => Ipv6Addr::from_bits(address.to_bits() & !(u128::from(u64::MAX))).into(),
@@ -115,48 +115,48 @@ fn network(peer: IpAddr) -> IpAddr {
     }
 }
 
-/// A connection's place, given back when dropped.
-struct Seat {
-    seats: Arc<Seats>,
+/// One connection that counts against the limiter until it is dropped.
+struct ConnectionPermit {
+    limiter: Arc<ConnectionLimiter>,
     peer: IpAddr,
 }
 
-impl Seats {
-    fn take(seats: &Arc<Self>, peer: IpAddr) -> Option<Seat> {
-        let mut taken = seats.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        let free = seats.most.saturating_sub(taken.values().sum());
-        let own = taken.get(&peer).copied().unwrap_or(0);
+impl ConnectionLimiter {
+    fn acquire(self: &Arc<Self>, peer: IpAddr) -> Option<ConnectionPermit> {
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let free = self.most.saturating_sub(open.values().sum());
+        let own = open.get(&peer).copied().unwrap_or(0);
         (own < free).then(|| {
-            taken.insert(peer, own + 1);
-            Seat { seats: Arc::clone(seats), peer }
+            open.insert(peer, own + 1);
+            ConnectionPermit { limiter: Arc::clone(self), peer }
         })
     }
 }
 
-impl Drop for Seat {
+impl Drop for ConnectionPermit {
     fn drop(&mut self) {
-        let mut taken = self.seats.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(own) = taken.get_mut(&self.peer) {
+        let mut open = self.limiter.open.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(own) = open.get_mut(&self.peer) {
             *own -= 1;
             if *own == 0 {
-                taken.remove(&self.peer);
+                open.remove(&self.peer);
             }
         }
     }
 }
 
-/// Speaks HTTP over connections.
+/// HTTP/1.1 and HTTP/2 over connections.
 #[derive(Clone)]
-struct Speaker {
+struct HttpServer {
     http1: auto::Builder<TokioExecutor>,
     http2: auto::Builder<TokioExecutor>,
     router: Router,
 }
 
-impl Speaker {
+impl HttpServer {
     fn new(router: Router) -> Self {
-        // Which of the two is settled by the handshake. Without TLS it would have to be told from the first bytes, and
-        // HTTP/2 without TLS is nobody's habit.
+        // The TLS handshake decides between the two. Without TLS the first bytes would have to, and nobody speaks HTTP/2
+        // without TLS.
         let mut http1 = auto::Builder::new(TokioExecutor::new()).http1_only();
         http1.http1().max_buf_size(MAX_HEADER_BYTES);
         let mut http2 = auto::Builder::new(TokioExecutor::new()).http2_only();
@@ -175,61 +175,61 @@ impl Speaker {
         Self { http1, http2, router }
     }
 
-    /// Serve one connection until either side ends it or its clock has run out.
-    async fn attend(
+    /// Serves one connection until either side ends it or its timer expires.
+    async fn serve_connection(
         self,
         stream: TcpStream,
         tls: Option<TlsAcceptor>,
-        patience: Patience,
+        timeouts: Timeouts,
         shutdown: watch::Receiver<bool>,
     ) {
-        let clock = Clock::start(patience);
-        let stream = Watched { stream, clock: Arc::clone(&clock) };
-        let talking = async {
+        let timer = ConnectionTimer::start(timeouts);
+        let stream = TimedStream { stream, timer: Arc::clone(&timer) };
+        let serving = async {
             match tls {
-                None => self.talk(&self.http1, stream, &clock, shutdown.clone()).await,
+                None => self.serve_http(&self.http1, stream, &timer, shutdown.clone()).await,
                 Some(tls) => {
-                    // Who fails at the handshake has been told by it.
+                    // The handshake itself has told the client why it failed.
                     let Ok(stream) = tls.accept(stream).await else { return };
                     if stream.get_ref().1.alpn_protocol() == Some(b"h2") {
-                        clock.look_at_requests_only();
-                        self.talk(&self.http2, stream, &clock, shutdown.clone()).await;
+                        timer.ignore_bytes();
+                        self.serve_http(&self.http2, stream, &timer, shutdown.clone()).await;
                     } else {
-                        self.talk(&self.http1, stream, &clock, shutdown.clone()).await;
+                        self.serve_http(&self.http1, stream, &timer, shutdown.clone()).await;
                     }
                 }
             }
         };
         tokio::select! {
-            () = talking => {}
-            () = clock.run_out(shutdown.clone()) => {}
+            () = serving => {}
+            () = timer.expired(shutdown.clone()) => {}
         }
     }
 
-    async fn talk<S>(
+    async fn serve_http<S>(
         &self,
         builder: &auto::Builder<TokioExecutor>,
         stream: S,
-        clock: &Arc<Clock>,
+        timer: &Arc<ConnectionTimer>,
         mut shutdown: watch::Receiver<bool>,
     ) where
         S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
     {
         let router = TowerToHyperService::new(self.router.clone());
         let service = service_fn(|request| {
-            let in_flight = clock.begin();
-            let answering = router.call(request);
+            let in_flight = timer.begin();
+            let responding = router.call(request);
             async move {
-                let answer = answering.await?;
+                let response = responding.await?;
                 // With HTTP/2 the client may have no room for even the first piece.
-                in_flight.handed_over();
-                // The request lasts as long as the body of its answer.
-                Ok::<_, Infallible>(answer.map(|body| Answer { body, left: Bytes::new(), in_flight }))
+                in_flight.start_write();
+                // The request lasts as long as the body of its response.
+                Ok::<_, Infallible>(response.map(|body| TimedBody { body, left: Bytes::new(), in_flight }))
             }
         });
         let connection = builder.serve_connection(TokioIo::new(stream), service);
         tokio::pin!(connection);
-        // Why a connection broke off is the client's business.
+        // Nobody needs the error of a connection that broke off.
         tokio::select! {
             _ = connection.as_mut() => return,
             _ = shutdown.wait_for(|stop| *stop) => connection.as_mut().graceful_shutdown(),
@@ -238,120 +238,127 @@ impl Speaker {
     }
 }
 
-/// How long a client may take over what.
+/// Longest times that a client may take.
 #[derive(Clone, Copy)]
-struct Patience {
+struct Timeouts {
     header: Duration,
     idle: Duration,
     write: Duration,
 }
 
-/// What a connection waits for, and until when.
-struct Clock {
-    patience: Patience,
+/// The time at which a connection is closed, by what it waits for.
+struct ConnectionTimer {
+    timeouts: Timeouts,
     state: Mutex<State>,
     changed: Notify,
 }
 
 struct State {
-    /// Begun, and not all of the answer handed over.
+    /// Requests that have begun and whose response is not complete.
     requests: usize,
-    /// Ids of requests, and until when a piece of the answer may lie untaken.
-    lying: Vec<(u64, Instant)>,
+    /// Pieces of responses that the client has not taken yet.
+    writes: Vec<PendingWrite>,
     next_id: u64,
     /// Whether the next byte begins a header.
     is_between_headers: bool,
-    /// Whether bytes say anything about headers.
-    sees_headers: bool,
-    /// When the next request must have come, if none runs.
-    until: Instant,
-    /// Whether the end of an answer waits in our buffers: until it is taken, none of the next is read.
-    end_lies: bool,
-    closing: bool,
+    /// Whether bytes that arrive are those of headers and bodies alone.
+    watches_bytes: bool,
+    /// The deadline while no request runs.
+    deadline: Instant,
+    /// Whether the end of a response waits in our buffers: until it is taken, none of the next is read.
+    is_end_pending: bool,
+    is_closing: bool,
+}
+
+/// A piece of a response that the client must take before the deadline.
+struct PendingWrite {
+    request: u64,
+    deadline: Instant,
 }
 
 /// A request that runs.
 struct InFlight {
-    clock: Arc<Clock>,
+    timer: Arc<ConnectionTimer>,
     id: u64,
 }
 
-impl Clock {
-    fn start(patience: Patience) -> Arc<Self> {
+impl ConnectionTimer {
+    fn start(timeouts: Timeouts) -> Arc<Self> {
         let state = State {
             requests: 0,
-            lying: Vec::new(),
+            writes: Vec::new(),
             next_id: 0,
             is_between_headers: false,
-            sees_headers: true,
-            until: Instant::now() + patience.header,
-            end_lies: false,
-            closing: false,
+            watches_bytes: true,
+            deadline: Instant::now() + timeouts.header,
+            is_end_pending: false,
+            is_closing: false,
         };
-        Arc::new(Self { patience, state: Mutex::new(state), changed: Notify::new() })
+        Arc::new(Self { timeouts, state: Mutex::new(state), changed: Notify::new() })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Bytes of HTTP/2 may be pings or parts of many streams: only whole requests count from now on.
-    fn look_at_requests_only(&self) {
-        self.state().sees_headers = false;
+    /// From now on bytes don't restart the timer: those of HTTP/2 may be pings or parts of many streams.
+    fn ignore_bytes(&self) {
+        self.state().watches_bytes = false;
     }
 
     fn begin(self: &Arc<Self>) -> InFlight {
         let mut state = self.state();
         state.requests += 1;
         state.next_id += 1;
-        InFlight { clock: Arc::clone(self), id: state.next_id }
+        InFlight { timer: Arc::clone(self), id: state.next_id }
     }
 
+    /// Bytes have arrived: the first of a header starts `header_timeout`.
     fn read(&self) {
         let mut state = self.state();
-        if state.is_between_headers && state.sees_headers && state.requests == 0 && !state.closing {
+        if state.is_between_headers && state.watches_bytes && state.requests == 0 && !state.is_closing {
             state.is_between_headers = false;
-            state.until = Instant::now() + self.patience.header;
+            state.deadline = Instant::now() + self.timeouts.header;
             self.changed.notify_one();
         }
     }
 
-    /// The client has no room for what is written.
-    fn stuck(&self) {
+    /// The client takes no bytes now.
+    fn blocked(&self) {
         let mut state = self.state();
-        if state.requests == 0 && !state.end_lies && !state.closing {
-            state.end_lies = true;
-            state.until = Instant::now() + self.patience.write;
+        if state.requests == 0 && !state.is_end_pending && !state.is_closing {
+            state.is_end_pending = true;
+            state.deadline = Instant::now() + self.timeouts.write;
             self.changed.notify_one();
         }
     }
 
-    /// All that was written is gone.
+    /// The client has taken all that was written.
     fn flushed(&self) {
         let mut state = self.state();
-        if std::mem::take(&mut state.end_lies) && state.requests == 0 && !state.closing {
-            state.until = Instant::now() + self.patience.idle;
+        if std::mem::take(&mut state.is_end_pending) && state.requests == 0 && !state.is_closing {
+            state.deadline = Instant::now() + self.timeouts.idle;
         }
     }
 
-    /// When the connection has run out, as things stand; none while only the service is waited for.
+    /// When the connection is closed, as things stand; none while it waits for the service alone.
     fn deadline(&self) -> Option<Instant> {
         let state = self.state();
         match state.requests {
-            0 => Some(state.until),
-            _ => state.lying.iter().map(|(_, until)| *until).min(),
+            0 => Some(state.deadline),
+            _ => state.writes.iter().map(|write| write.deadline).min(),
         }
     }
 
     fn close(&self) {
         let mut state = self.state();
-        state.closing = true;
-        state.until = Instant::now() + FAREWELL;
+        state.is_closing = true;
+        state.deadline = Instant::now() + LINGER_TIMEOUT;
     }
 
-    /// Resolves when the client has taken too long. At shutdown it has little time left unless a request runs.
-    async fn run_out(&self, mut shutdown: watch::Receiver<bool>) {
-        let mut closing = false;
+    /// Resolves when the client has taken too long. At shutdown it gets [`LINGER_TIMEOUT`] unless a request runs.
+    async fn expired(&self, mut shutdown: watch::Receiver<bool>) {
+        let mut is_closing = false;
         loop {
             let deadline = self.deadline();
             if deadline.is_some_and(|deadline| deadline <= Instant::now()) {
@@ -360,8 +367,8 @@ impl Clock {
             tokio::select! {
                 () = tokio::time::sleep_until(deadline.unwrap_or_else(Instant::now)), if deadline.is_some() => {}
                 () = self.changed.notified() => {}
-                _ = shutdown.wait_for(|stop| *stop), if !closing => {
-                    closing = true;
+                _ = shutdown.wait_for(|stop| *stop), if !is_closing => {
+                    is_closing = true;
                     self.close();
                 }
             }
@@ -370,41 +377,42 @@ impl Clock {
 }
 
 impl InFlight {
-    /// The client has room for more of the answer.
-    fn taken(&self) {
-        self.clock.state().lying.retain(|(id, _)| *id != self.id);
+    /// The client has taken the last piece of the response.
+    fn end_write(&self) {
+        self.timer.state().writes.retain(|write| write.request != self.id);
     }
 
-    /// What the service has is waited for by nobody but the client.
-    fn handed_over(&self) {
-        self.clock.state().lying.push((self.id, Instant::now() + self.clock.patience.write));
-        self.clock.changed.notify_one();
+    /// The service has given a piece of the response: from now on the connection waits for the client.
+    fn start_write(&self) {
+        let deadline = Instant::now() + self.timer.timeouts.write;
+        self.timer.state().writes.push(PendingWrite { request: self.id, deadline });
+        self.timer.changed.notify_one();
     }
 }
 
 impl Drop for InFlight {
     fn drop(&mut self) {
-        self.taken();
-        let mut state = self.clock.state();
+        self.end_write();
+        let mut state = self.timer.state();
         state.requests -= 1;
         if state.requests == 0 {
             state.is_between_headers = true;
-            let patience = if state.closing { FAREWELL } else { self.clock.patience.idle };
-            state.until = Instant::now() + patience;
-            self.clock.changed.notify_one();
+            let timeout = if state.is_closing { LINGER_TIMEOUT } else { self.timer.timeouts.idle };
+            state.deadline = Instant::now() + timeout;
+            self.timer.changed.notify_one();
         }
     }
 }
 
-/// The body of an answer in pieces, none of which is asked for before the client has taken most of those before it:
-/// what is asked for so tells how the client gets on.
-struct Answer {
+/// The body of a response in pieces. Hyper polls for a piece when the client has taken most of those before it: each poll
+/// resets the timer.
+struct TimedBody {
     body: Body,
     left: Bytes,
     in_flight: InFlight,
 }
 
-impl hyper::body::Body for Answer {
+impl hyper::body::Body for TimedBody {
     type Data = Bytes;
     type Error = axum::Error;
 
@@ -412,7 +420,7 @@ impl hyper::body::Body for Answer {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        self.in_flight.taken();
+        self.in_flight.end_write();
         if self.left.is_empty() {
             match ready!(Pin::new(&mut self.body).poll_frame(context)).transpose()?.map(Frame::into_data) {
                 Some(Ok(data)) => self.left = data,
@@ -422,7 +430,7 @@ impl hyper::body::Body for Answer {
         }
         let bytes = self.left.len().min(PIECE_BYTES);
         let piece = self.left.split_to(bytes);
-        self.in_flight.handed_over();
+        self.in_flight.start_write();
         Poll::Ready(Some(Ok(Frame::data(piece))))
     }
 
@@ -441,13 +449,13 @@ impl hyper::body::Body for Answer {
     }
 }
 
-/// A stream that tells its clock what happens on it.
-struct Watched {
+/// A stream that reports reads and writes to the timer.
+struct TimedStream {
     stream: TcpStream,
-    clock: Arc<Clock>,
+    timer: Arc<ConnectionTimer>,
 }
 
-impl AsyncRead for Watched {
+impl AsyncRead for TimedStream {
     fn poll_read(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -456,13 +464,13 @@ impl AsyncRead for Watched {
         let before = buffer.filled().len();
         let read = Pin::new(&mut self.stream).poll_read(context, buffer);
         if buffer.filled().len() > before {
-            self.clock.read();
+            self.timer.read();
         }
         read
     }
 }
 
-impl AsyncWrite for Watched {
+impl AsyncWrite for TimedStream {
     fn poll_write(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -470,7 +478,7 @@ impl AsyncWrite for Watched {
     ) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(context, bytes);
         if written.is_pending() {
-            self.clock.stuck();
+            self.timer.blocked();
         }
         written
     }
@@ -482,7 +490,7 @@ impl AsyncWrite for Watched {
     ) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write_vectored(context, pieces);
         if written.is_pending() {
-            self.clock.stuck();
+            self.timer.blocked();
         }
         written
     }
@@ -492,10 +500,10 @@ impl AsyncWrite for Watched {
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
-        // Asked for when the buffers above are empty.
+        // Called when the buffers above are empty.
         let flushed = Pin::new(&mut self.stream).poll_flush(context);
         if flushed.is_ready() {
-            self.clock.flushed();
+            self.timer.flushed();
         }
         flushed
     }

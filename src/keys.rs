@@ -4,16 +4,17 @@ use std::fmt::{self, Display};
 use std::path::Path;
 use std::sync::Arc;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use crate::access::{AccessError, Actor, Grant, KeyRow, Keyring, Scope};
 use crate::config::{CatalogueArgs, SettingsError};
 use crate::store::{
-    Catalogue, CatalogueError, OpenCatalogueError, OpenFolderError, open_beside, open_folder, open_postgres,
+    Catalogue, CatalogueError, OpenCatalogueError, OpenFolderError, open_folder, open_postgres,
+    open_unlocked_folder,
 };
 
-/// How the record names who uses this verb.
+/// The actor in the audit record for this verb.
 const ACTOR: &str = "command line";
 
 /// What to do with the keys, and where they are kept.
@@ -32,7 +33,7 @@ enum KeysVerb {
         name: String,
         /// What it may do; each scope includes the ones before it
         #[arg(long)]
-        scope: ScopeArg,
+        scope: Scope,
         /// Databases that it reaches, with * and ? in the name; may be given several times [default: every one]
         #[arg(long, value_name = "PATTERN")]
         database: Vec<String>,
@@ -59,37 +60,22 @@ enum KeysVerb {
     },
 }
 
-/// The words for the scopes.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ScopeArg {
-    Recognise,
-    Contribute,
-    Train,
-    Admin,
-}
-
-impl From<ScopeArg> for Scope {
-    fn from(word: ScopeArg) -> Self {
-        match word {
-            ScopeArg::Recognise => Self::Recognise,
-            ScopeArg::Contribute => Self::Contribute,
-            ScopeArg::Train => Self::Train,
-            ScopeArg::Admin => Self::Admin,
-        }
-    }
-}
-
 /// Why the verb failed.
 #[derive(Debug, thiserror::Error)]
 pub enum KeysError {
+    /// The settings file can't be used.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The data folder can't be opened.
     #[error("can't open the data folder")]
     Folder(#[from] OpenFolderError),
+    /// The shared catalogue can't be opened.
     #[error("can't open the shared catalogue")]
     Catalogue(#[from] OpenCatalogueError),
+    /// The catalogue is away.
     #[error("can't read the keys")]
     Read(#[from] CatalogueError),
+    /// The key can't be made or revoked.
     #[error(transparent)]
     Access(#[from] AccessError),
 }
@@ -98,9 +84,11 @@ pub enum KeysError {
 pub enum Printed {
     /// The text of a new key.
     Key(String),
+    /// A table of the keys.
     List(Vec<ListedKey>),
     /// The same, as JSON.
     Json(Vec<ListedKey>),
+    /// A key was revoked.
     Nothing,
 }
 
@@ -169,7 +157,7 @@ impl Display for Printed {
     }
 }
 
-/// Do what the verb says.
+/// Runs the verb.
 ///
 /// # Errors
 /// The catalogue can't be opened or reached, the grant isn't right, or there is no such key.
@@ -178,7 +166,7 @@ pub async fn run(args: KeysArgs) -> Result<Printed, KeysError> {
     match args.verb {
         KeysVerb::Create { name, scope, database, requests_per_s, catalogue } => {
             let databases = (!database.is_empty()).then_some(database);
-            let grant = Grant { name, scope: scope.into(), databases, requests_per_s };
+            let grant = Grant { name, scope, databases, requests_per_s };
             let made = keyring(catalogue, true).await?.create(&grant, &by).await?;
             Ok(Printed::Key(made.key.reveal().to_owned()))
         }
@@ -194,20 +182,20 @@ pub async fn run(args: KeysArgs) -> Result<Printed, KeysError> {
     }
 }
 
-/// A folder that isn't there is made for the first key, and for nothing else.
+/// Opens the keys; makes a missing folder for the first key, and for nothing else.
 async fn keyring(catalogue: CatalogueArgs, may_make: bool) -> Result<Keyring, KeysError> {
     let catalogue = match catalogue.settle()? {
         Ok(shared) => open_postgres(shared.url()).await?.0,
         Err(data_dir) if may_make => open_rows(&data_dir).await?,
-        Err(data_dir) => open_beside(&data_dir).await?.catalogue,
+        Err(data_dir) => open_unlocked_folder(&data_dir).await?.catalogue,
     };
     Ok(Keyring::open(catalogue, false).await?)
 }
 
-/// The rows of a data folder, made if missing; beside the service that runs there, if one does.
-async fn open_rows(data_dir: &Path) -> Result<Arc<dyn Catalogue>, OpenFolderError> {
+/// The catalogue of a data folder, made if missing; beside the service that runs there, if one does.
+async fn open_rows(data_dir: &Path) -> Result<Arc<Catalogue>, OpenFolderError> {
     match open_folder(data_dir).await {
-        Err(OpenFolderError::InUse { .. }) => Ok(open_beside(data_dir).await?.catalogue),
+        Err(OpenFolderError::InUse { .. }) => Ok(open_unlocked_folder(data_dir).await?.catalogue),
         folder => Ok(folder?.catalogue),
     }
 }

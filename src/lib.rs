@@ -1,8 +1,7 @@
 //! landmarkd: robots ask where they are and what they see; the answer comes with its evidence.
 //!
-//! The crate docs are the map of the house; `ARCHITECTURE.md` walks through it.
-//! Pure mathematics in the middle (`imaging`, `vision`, `eigen`, `depth`, `recognition`, `workcell`),
-//! waiting and talking at the rim (`store`, `access`, `database`, `jobs`, `http`).
+//! The mathematics is the crate `landmarkd_core`. This crate is the service around it: stores, databases and their
+//! versions, jobs, keys, HTTP, and the verbs of the binary. `ARCHITECTURE.md` is the map.
 
 pub mod access;
 pub mod compute;
@@ -14,6 +13,7 @@ pub mod evaluate;
 pub mod http;
 pub mod jobs;
 pub mod keys;
+pub mod problem;
 pub mod serve;
 pub mod store;
 pub mod telemetry;

@@ -133,44 +133,46 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
         "the demo is a client without TLS: leave out --tls-cert and --tls-key"
     );
     telemetry::start_logging(settings.log_format, true);
-    runtime()?.block_on(async {
-        let (announce, mut listening) = tokio::sync::mpsc::unbounded_channel();
-        let (finished, finish) = tokio::sync::oneshot::channel::<()>();
-        let stop = async {
-            // Without --exit the other end is never used, and the signal decides.
-            tokio::select! {
-                () = stop_signals(1) => {}
-                Ok(()) = finish => {}
-            }
-        };
-        let serving = serve::serve(&settings, |address| announce.send(address).unwrap_or(()), stop);
-        let showing = async {
-            let Some(address) = listening.recv().await else { return anyhow::Ok(()) };
-            let pictures = settings.data_dir.join("pictures");
-            let shown =
-                demo::run(&format!("http://{address}"), args, &pictures, &mut std::io::stdout()).await;
-            if args.exit || shown.is_err() {
-                finished.send(()).unwrap_or(());
-            } else {
-                println!("\nServing on http://{address} until Ctrl-C.");
-                std::future::pending::<()>().await;
-            }
-            shown?;
-            Ok(())
-        };
-        tokio::pin!(serving);
+    runtime()?.block_on(serve_demo(args, &settings))
+}
+
+/// Serves, shows the demo to the service as its client, and goes on serving unless `--exit` is given.
+async fn serve_demo(args: &DemoArgs, settings: &Settings) -> anyhow::Result<()> {
+    let (announce, mut listening) = tokio::sync::mpsc::unbounded_channel();
+    let (finished, finish) = tokio::sync::oneshot::channel::<()>();
+    let stop = async {
+        // Without --exit the other end is never used, and the signal decides.
         tokio::select! {
-            served = &mut serving => Ok(served?),
-            shown = showing => {
-                serving.await?;
-                shown
-            }
+            () = stop_signals(1) => {}
+            Ok(()) = finish => {}
         }
-    })
+    };
+    let serving = serve::serve(settings, |address| announce.send(address).unwrap_or(()), stop);
+    let showing = async {
+        let Some(address) = listening.recv().await else { return anyhow::Ok(()) };
+        let pictures = settings.data_dir.join("pictures");
+        let shown = demo::run(&format!("http://{address}"), args, &pictures, &mut std::io::stdout()).await;
+        if args.exit || shown.is_err() {
+            finished.send(()).unwrap_or(());
+        } else {
+            println!("\nServing on http://{address} until Ctrl-C.");
+            std::future::pending::<()>().await;
+        }
+        shown?;
+        Ok(())
+    };
+    tokio::pin!(serving);
+    tokio::select! {
+        served = &mut serving => Ok(served?),
+        shown = showing => {
+            serving.await?;
+            shown
+        }
+    }
 }
 
 fn evaluate(args: &EvaluateArgs) -> anyhow::Result<()> {
-    // Hidden where nobody looks on, so that a log holds the result alone.
+    // Hidden without a terminal, so that a log holds the result alone.
     let bar = indicatif::ProgressBar::new(0);
     let evaluation = landmarkd::evaluate::evaluate(&args.request()?, &mut |done, total| {
         bar.set_length(total as u64);
@@ -239,15 +241,15 @@ async fn back_up(data_dir: &Path, to: &Path) -> anyhow::Result<()> {
 }
 
 async fn verify(data_dir: &Path) -> anyhow::Result<()> {
-    let folder = store::open_beside(data_dir).await?;
+    let folder = store::open_unlocked_folder(data_dir).await?;
     let mut faults = store::catalogue_faults(data_dir).await?;
-    let seen = database::verify(&*folder.catalogue, &folder.blobs).await?;
-    faults.extend(seen.faults);
+    let verified = database::verify(&*folder.catalogue, &folder.blobs).await?;
+    faults.extend(verified.faults);
     for fault in &faults {
         println!("{fault}");
     }
     anyhow::ensure!(faults.is_empty(), "{} faults in {}", faults.len(), data_dir.display());
-    println!("{} exemplars and {} versions are whole", seen.exemplars, seen.versions);
+    println!("{} exemplars and {} versions are whole", verified.exemplars, verified.versions);
     Ok(())
 }
 

@@ -24,8 +24,8 @@ use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::jobs::{Jobs, Runner};
 use crate::store::{
-    Blobs, Catalogue, CatalogueError, Collected, Folder, OpenBucketError, OpenCatalogueError,
-    OpenFolderError, open_bucket, open_folder, open_postgres,
+    Blobs, Catalogue, CatalogueError, Folder, OpenBucketError, OpenCatalogueError, OpenFolderError,
+    OrphanCollection, open_bucket, open_folder, open_postgres,
 };
 use crate::telemetry::{Metrics, chain};
 use crate::tls::{self, TlsError};
@@ -33,11 +33,11 @@ use landmarkd_core::imaging::DecodeLimits;
 
 /// Connections that may wait to be accepted: as many as there may be in all.
 const BACKLOG: u32 = 1024;
-/// How often the catalogue is asked what the aliases name: a change made elsewhere is served this much later.
+/// Longest time until a change that another process made is served here.
 const REFRESH_EVERY: Duration = Duration::from_secs(2);
-/// How old the time of a key's last use may be in the catalogue.
+/// How old the time of a key's last use in the catalogue may be.
 const NOTE_USES_EVERY: Duration = Duration::from_secs(30);
-/// How often blobs that nothing names are looked for.
+/// Time between two collections of blobs that nothing names.
 const COLLECT_EVERY: Duration = Duration::from_secs(3600);
 /// A blob younger than this may belong to an upload whose row is still to come.
 const ORPHAN_AGE: Duration = Duration::from_secs(24 * 3600);
@@ -48,123 +48,153 @@ const OTHER_DESCRIPTORS: u64 = 512;
 /// Why the service doesn't start.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
+    /// The data folder can't be opened.
     #[error("can't open the data folder")]
     Folder {
+        /// Why.
         #[from]
         source: OpenFolderError,
     },
+    /// The computing threads can't be started.
     #[error("can't start the computing threads")]
     Compute {
+        /// Why.
         #[from]
         source: ComputeError,
     },
+    /// The shared catalogue can't be opened.
     #[error("can't open the shared catalogue")]
     SharedCatalogue {
+        /// Why.
         #[from]
         source: OpenCatalogueError,
     },
+    /// The shared blobs can't be used.
     #[error("can't use the shared blobs")]
     SharedBlobs {
+        /// Why.
         #[from]
         source: OpenBucketError,
     },
+    /// The catalogue can't be read.
     #[error("the catalogue can't be read")]
     Catalogue {
+        /// Why.
         #[from]
         source: CatalogueError,
     },
+    /// The service would let everybody in from other machines.
     #[error(
         "--bind {bind} is reachable from other machines, and there is no key to ask for: make one with \
          landmarkd keys create --name NAME --scope admin (and the --data-dir or --catalogue of this service), or bind \
          a loopback address such as 127.0.0.1:8080, or add --insecure to let everybody in"
     )]
-    OpenToAll { bind: SocketAddr },
+    OpenToAll {
+        /// The address to listen on.
+        bind: SocketAddr,
+    },
+    /// The address is taken, or isn't one of this machine.
     #[error("can't listen on {bind}: is another service there? Give another address with --bind")]
-    Bind { bind: SocketAddr, source: io::Error },
+    Bind {
+        /// The address to listen on.
+        bind: SocketAddr,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The certificate can't be used.
     #[error("can't serve over TLS")]
     Tls {
+        /// Why.
         #[from]
         source: TlsError,
     },
+    /// A background task panicked.
     #[error("a part of the service that works in the background died")]
-    Background { source: Option<JoinError> },
+    Background {
+        /// Its panic.
+        source: Option<JoinError>,
+    },
 }
 
 /// The service's parts, wired; not yet listening.
 pub struct Parts {
+    /// What the handlers share.
     pub service: Service,
     /// None in a process that leaves jobs to others.
     runner: Option<Runner>,
-    /// Grows when another process may have changed what this one serves or works on.
-    hints: watch::Receiver<u64>,
+    /// Grows with each notification that another process may have changed what this one serves or works on.
+    changes: watch::Receiver<u64>,
 }
 
-/// Open the stores in the data folder and wire the service over them. Its background work and its streams of events
-/// end when `shutdown` turns true.
+/// Opens the stores and wires the service over them. Its background work and its streams of events end when `shutdown`
+/// turns true.
 ///
 /// # Errors
-/// A folder in use or unwritable, or no threads.
+/// A folder in use or unwritable, shared stores that can't be used, or no threads.
 pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Result<Parts, ServeError> {
-    let (catalogue, blobs) = match &settings.shared {
-        Some(shared) => open_shared(shared, &settings.data_dir).await?,
-        None => {
-            let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
-            (catalogue, blobs)
-        }
-    };
-    let max_connections = room_for(settings.limits.max_connections);
+    let (catalogue, blobs) = open_stores(settings).await?;
+    let max_connections = affordable_connections(settings.limits.max_connections);
     let limits = Limits { max_connections, ..settings.limits.clone() };
     let compute = Compute::new(settings.threads, limits.waiting_per_thread, limits.max_decode_bytes_total)?;
     let worker: Arc<str> = format!("worker-{}", Uuid::now_v7()).into();
     // A folder's lock is ours, so whoever held a job before is dead; of a shared catalogue nothing is released.
     let released = catalogue.release_dead_leases(&worker).await?;
     if released > 0 {
-        tracing::info!(released, "jobs that a dead process left are taken up again");
+        tracing::info!(released, "jobs of a dead process are back in the queue");
     }
-    let decode = DecodeLimits {
-        max_side_px: limits.max_side_px,
-        max_pixels: limits.max_pixels,
-        max_alloc_bytes: limits.max_decode_bytes,
-    };
-    let bodies = BodyBudget::new(limits.max_body_bytes_total);
-    let metrics = Arc::new(Metrics::new());
-    let hints = catalogue.hints();
-    let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
+    let changes = catalogue.change_notifications();
     let keyring = Keyring::open(Arc::clone(&catalogue), settings.is_open_without_keys()).await?;
-    let databases = Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), memory_limit, holds);
-    let jobs = Jobs::new(catalogue);
-    let runner = Runner::new(
-        jobs.clone(),
-        databases.clone(),
-        compute.clone(),
-        decode,
-        Arc::clone(&metrics),
-        worker.to_string(),
-    );
-    let runner = (settings.role != Role::Serve).then_some(runner);
+    let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
     let service = Service {
         keyring,
         insecure: settings.insecure,
-        databases,
-        jobs,
+        databases: Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), memory_limit, holds),
+        jobs: Jobs::new(catalogue),
         compute,
-        metrics,
+        metrics: Arc::new(Metrics::new()),
+        bodies: BodyBudget::new(limits.max_body_bytes_total),
+        decode: DecodeLimits {
+            max_side_px: limits.max_side_px,
+            max_pixels: limits.max_pixels,
+            max_alloc_bytes: limits.max_decode_bytes,
+        },
+        estimators: Estimators::default(),
         tracks: Tracks::new(&limits),
         limits,
-        bodies,
-        decode,
-        estimators: Estimators::default(),
         started_at: Timestamp::now(),
         worker,
         role: settings.role,
         ready: Arc::new(AtomicBool::new(false)),
         shutdown,
     };
-    Ok(Parts { service, runner, hints })
+    let runner = (settings.role != Role::Serve).then(|| runner(&service));
+    Ok(Parts { service, runner, changes })
 }
 
-/// Open what a fleet shares; one that is away is waited for.
-async fn open_shared(shared: &Shared, data_dir: &Path) -> Result<(Arc<dyn Catalogue>, Blobs), ServeError> {
+fn runner(service: &Service) -> Runner {
+    Runner {
+        jobs: service.jobs.clone(),
+        databases: service.databases.clone(),
+        compute: service.compute.clone(),
+        decode: service.decode,
+        metrics: Arc::clone(&service.metrics),
+        owner: service.worker.to_string(),
+    }
+}
+
+/// Opens what a fleet shares, or else the data folder.
+async fn open_stores(settings: &Settings) -> Result<(Arc<Catalogue>, Blobs), ServeError> {
+    match &settings.shared {
+        Some(shared) => open_shared(shared, &settings.data_dir).await,
+        None => {
+            let Folder { catalogue, blobs } = open_folder(&settings.data_dir).await?;
+            Ok((catalogue, blobs))
+        }
+    }
+}
+
+/// Opens what a fleet shares; waits for a store that is away.
+async fn open_shared(shared: &Shared, data_dir: &Path) -> Result<(Arc<Catalogue>, Blobs), ServeError> {
     let (catalogue, id) = loop {
         match open_postgres(shared.catalogue.url()).await {
             Ok(opened) => break opened,
@@ -190,21 +220,21 @@ async fn open_shared(shared: &Shared, data_dir: &Path) -> Result<(Arc<dyn Catalo
 }
 
 impl Parts {
-    /// Start what runs in the background: the refresh of the registry, the runner of jobs, the collector of orphans.
-    /// The handle resolves when they have ended after shutdown, or when one of them died.
+    /// Starts the background tasks. The handle resolves when they have ended after shutdown, or when one of them died.
     pub fn start(self) -> (Service, JoinHandle<Result<(), JoinError>>) {
-        let service = self.service.clone();
-        let shutdown = service.shutdown.clone();
+        let Self { service, runner, changes } = self;
+        let (shutdown, keyring) = (&service.shutdown, &service.keyring);
         let mut tasks = JoinSet::new();
-        if let Some(runner) = self.runner {
+        if let Some(runner) = runner {
             tasks.spawn(runner.run(shutdown.clone()));
-            tasks.spawn(collect_orphans(self.service.clone(), shutdown.clone()));
+            tasks.spawn(until(shutdown.clone(), collect_orphans(service.clone())));
         }
-        tasks.spawn(tell(self.service.clone(), shutdown.clone()));
-        tasks.spawn(refresh_keys(self.service.keyring.clone(), self.hints.clone(), shutdown.clone()));
-        tasks.spawn(note_key_uses(self.service.keyring.clone(), shutdown.clone()));
-        tasks.spawn(wake_jobs(self.service.jobs.clone(), self.hints.clone(), shutdown.clone()));
-        tasks.spawn(refresh(self.service, self.hints, shutdown));
+        tasks.spawn(until(shutdown.clone(), announce(service.clone())));
+        // The keys have tasks of their own: neither a version that takes long to load nor a write may delay a revocation.
+        tasks.spawn(until(shutdown.clone(), refresh_keys(keyring.clone(), changes.clone())));
+        tasks.spawn(until(shutdown.clone(), note_key_uses(keyring.clone())));
+        tasks.spawn(until(shutdown.clone(), wake_jobs(service.jobs.clone(), changes.clone())));
+        tasks.spawn(until(shutdown.clone(), refresh_registry(service.clone(), changes)));
         let background = tokio::spawn(async move {
             while let Some(ended) = tasks.join_next().await {
                 // The others end with the set.
@@ -216,28 +246,34 @@ impl Parts {
     }
 }
 
-/// Remove blobs that nothing names any more, until shutdown.
-async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) {
+/// Runs `task` until `shutdown` turns true.
+async fn until(mut shutdown: watch::Receiver<bool>, task: impl Future<Output = ()>) {
+    tokio::select! {
+        () = task => {}
+        _ = shutdown.wait_for(|stop| *stop) => {}
+    }
+}
+
+/// Resolves at the next change notification, at the latest after [`REFRESH_EVERY`].
+async fn changed(changes: &mut watch::Receiver<u64>) {
+    tokio::select! {
+        () = tokio::time::sleep(REFRESH_EVERY) => {}
+        Ok(()) = changes.changed() => {}
+    }
+}
+
+/// Removes blobs that nothing names any more.
+async fn collect_orphans(service: Service) {
     loop {
-        tokio::select! {
-            () = tokio::time::sleep(COLLECT_EVERY) => {}
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        }
-        let collected = tokio::select! {
-            collected = service.databases.collect_orphans(ORPHAN_AGE) => collected,
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        };
-        match collected {
-            Ok(Collected { removed, failed, error }) => {
+        tokio::time::sleep(COLLECT_EVERY).await;
+        match service.databases.collect_orphans(ORPHAN_AGE).await {
+            Ok(OrphanCollection { removed, failed, error }) => {
                 if removed > 0 {
                     tracing::info!(removed, "removed blobs that nothing names");
                 }
                 if let Some(error) = error {
-                    tracing::warn!(
-                        failed,
-                        error = chain(&error),
-                        "can't remove some orphan blobs: later again"
-                    );
+                    let error = chain(&error);
+                    tracing::warn!(failed, error, "can't remove some orphan blobs: later again");
                 }
             }
             Err(error) => tracing::warn!(error = chain(&error), "can't collect orphan blobs"),
@@ -245,95 +281,58 @@ async fn collect_orphans(service: Service, mut shutdown: watch::Receiver<bool>) 
     }
 }
 
-/// Keep the registry as the catalogue says, until shutdown: at once when there is a hint of a change, and every
-/// [`REFRESH_EVERY`] in any case.
-async fn refresh(service: Service, mut hints: watch::Receiver<u64>, mut shutdown: watch::Receiver<bool>) {
+/// Loads and drops versions as the aliases in the catalogue change.
+async fn refresh_registry(service: Service, mut changes: watch::Receiver<u64>) {
     loop {
-        let refreshed = tokio::select! {
-            refreshed = service.databases.registry().refresh() => refreshed,
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        };
-        match refreshed {
+        match service.databases.registry().refresh().await {
             Ok(()) => service.ready.store(true, Ordering::Relaxed),
             Err(error) => {
                 tracing::warn!(error = chain(&error), "can't see what the aliases name; serving on");
             }
         }
-        tokio::select! {
-            () = tokio::time::sleep(REFRESH_EVERY) => {}
-            Ok(()) = hints.changed() => {}
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        }
+        changed(&mut changes).await;
     }
 }
 
-/// Tell the other processes what this one serves, until shutdown; a catalogue that is away is told later.
-async fn tell(service: Service, mut shutdown: watch::Receiver<bool>) {
+/// Writes into the catalogue what this process serves, for the other processes.
+async fn announce(service: Service) {
     loop {
-        let telling = async {
-            if let Err(error) = service.databases.tell(&service.process()).await {
-                tracing::debug!(error = chain(&error), "can't tell what is served here");
-            }
-            tokio::time::sleep(REFRESH_EVERY).await;
-        };
-        tokio::select! {
-            () = telling => {}
-            _ = shutdown.wait_for(|stop| *stop) => return,
+        if let Err(error) = service.databases.record_process(&service.process()).await {
+            tracing::debug!(error = chain(&error), "can't write what is served here: later again");
         }
+        tokio::time::sleep(REFRESH_EVERY).await;
     }
 }
 
-/// Know of keys that were made or revoked elsewhere, until shutdown: at once when there is a hint, and every
-/// [`REFRESH_EVERY`] in any case. A task of its own: a version that takes long to load must not hold up a revocation.
-async fn refresh_keys(
-    keyring: Keyring,
-    mut hints: watch::Receiver<u64>,
-    mut shutdown: watch::Receiver<bool>,
-) {
+/// Reads the keys that were made or revoked elsewhere.
+async fn refresh_keys(keyring: Keyring, mut changes: watch::Receiver<u64>) {
     loop {
-        tokio::select! {
-            () = tokio::time::sleep(REFRESH_EVERY) => {}
-            Ok(()) = hints.changed() => {}
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        }
-        let refreshed = tokio::select! {
-            refreshed = keyring.refresh() => refreshed,
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        };
-        if let Err(error) = refreshed {
+        changed(&mut changes).await;
+        if let Err(error) = keyring.refresh().await {
             tracing::warn!(error = chain(&error), "can't read the keys; those known stay in force");
         }
     }
 }
 
-/// Note now and then when keys were last used, until shutdown. A task of its own: a write must not hold up a revocation.
-async fn note_key_uses(keyring: Keyring, mut shutdown: watch::Receiver<bool>) {
+/// Writes the times of the keys' last uses.
+async fn note_key_uses(keyring: Keyring) {
     loop {
-        tokio::select! {
-            () = tokio::time::sleep(NOTE_USES_EVERY) => {}
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        }
-        let noted = tokio::select! {
-            noted = keyring.note_uses() => noted,
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        };
-        if let Err(error) = noted {
+        tokio::time::sleep(NOTE_USES_EVERY).await;
+        if let Err(error) = keyring.record_uses().await {
             tracing::warn!(error = chain(&error), "can't note when keys were last used: later again");
         }
     }
 }
 
-/// Pass hints of other processes' changes on to those who wait for jobs, until shutdown.
-async fn wake_jobs(jobs: Jobs, mut hints: watch::Receiver<u64>, mut shutdown: watch::Receiver<bool>) {
-    loop {
-        tokio::select! {
-            Ok(()) = hints.changed() => jobs.wake(),
-            _ = shutdown.wait_for(|stop| *stop) => return,
-        }
+/// Wakes the runner and the readers of events when another process may have changed a job.
+async fn wake_jobs(jobs: Jobs, mut changes: watch::Receiver<u64>) {
+    while changes.changed().await.is_ok() {
+        jobs.wake();
     }
 }
 
-/// Serve until `stop` resolves, then finish what runs and hand back the jobs. `listening` is told the address.
+/// Serves until `stop` resolves; then finishes what runs and hands back the jobs. Calls `listening` with the address once
+/// the port is open.
 ///
 /// # Errors
 /// [`ServeError`]: why the service can't start, or stopped.
@@ -346,16 +345,10 @@ pub async fn serve(
     tokio::pin!(stop);
     let parts = tokio::select! {
         parts = wire(settings, shutdown) => parts?,
-        // What a fleet shares may be waited for.
+        // Shared stores that are away are waited for.
         () = &mut stop => return Ok(()),
     };
-    let (tls, following) = match &settings.tls {
-        None => (None, None),
-        Some(files) => {
-            let (in_force, following) = tls::follow(files.clone()).await?;
-            (Some(in_force), Some(AbortOnDropHandle::new(tokio::spawn(following))))
-        }
-    };
+    let (tls, following) = follow_certificate(settings).await?;
     let bind = settings.bind;
     if !settings.is_open_without_keys() && !parts.service.keyring.has_keys() {
         return Err(ServeError::OpenToAll { bind });
@@ -385,7 +378,16 @@ pub async fn serve(
     background.await.and_then(|died| died).map_err(|source| ServeError::Background { source: Some(source) })
 }
 
-/// Listen, with room for a burst of clients that connect at once.
+/// The TLS settings, and the task that reads the certificate's files again when they change; neither without TLS.
+async fn follow_certificate(
+    settings: &Settings,
+) -> Result<(Option<tls::ConfigReceiver>, Option<AbortOnDropHandle<()>>), TlsError> {
+    let Some(files) = &settings.tls else { return Ok((None, None)) };
+    let (in_force, following) = tls::follow(files.clone()).await?;
+    Ok((Some(in_force), Some(AbortOnDropHandle::new(tokio::spawn(following)))))
+}
+
+/// Listens, with room for a burst of clients that connect at once.
 fn listen(bind: SocketAddr) -> io::Result<TcpListener> {
     let socket = if bind.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
     // A service that is started again must not wait for the connections of the one before to be forgotten.
@@ -395,10 +397,10 @@ fn listen(bind: SocketAddr) -> io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
-/// How many of `wanted` connections the descriptors of this process suffice for, after asking for as many as it may
-/// have. Without any left files couldn't be opened.
+/// The number of connections, at most `wanted`, for which the descriptors of this process suffice once its limit is raised
+/// as far as it may be. Some are left for files.
 #[cfg(target_os = "linux")]
-fn room_for(wanted: usize) -> usize {
+fn affordable_connections(wanted: usize) -> usize {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     let needed = wanted as u64 + OTHER_DESCRIPTORS;
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
@@ -419,6 +421,6 @@ fn room_for(wanted: usize) -> usize {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn room_for(wanted: usize) -> usize {
+fn affordable_connections(wanted: usize) -> usize {
     wanted
 }

@@ -10,17 +10,20 @@ use prometheus::core::Collector;
 use prometheus::{
     Histogram, HistogramOpts, HistogramVec, IntCounterVec, IntGauge, IntGaugeVec, Opts, Registry, TextEncoder,
 };
-use tracing_subscriber::EnvFilter;
+use tracing::Level;
+use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::config::LogFormat;
 
-/// Start logging for the whole process. `quiet` leaves only warnings: for verbs that print for people.
+/// Starts logging for the whole process. `quiet` leaves only warnings: for verbs that print for people.
 pub fn start_logging(format: LogFormat, quiet: bool) {
-    let filter = EnvFilter::new(if quiet { "warn" } else { "info,sqlx=warn,hyper=warn" });
+    let quieter = [("sqlx", Level::WARN), ("hyper", Level::WARN)];
+    let filter =
+        Targets::new().with_default(if quiet { Level::WARN } else { Level::INFO }).with_targets(quieter);
     let registry = tracing_subscriber::registry().with(filter);
-    // A second start in one process (tests) keeps the first: that is what try_init's error says.
+    // A second start in one process (tests) keeps the first; try_init's error is no more than that.
     let _ = match format {
         LogFormat::Text => {
             let colours = std::io::stderr().is_terminal();
@@ -33,7 +36,7 @@ pub fn start_logging(format: LogFormat, quiet: bool) {
     };
 }
 
-/// An error with its causes, in one line: what a log line or a reason for people shows.
+/// The text of an error with those of its causes, in one line.
 pub fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
@@ -51,14 +54,17 @@ pub struct Metrics {
     request_seconds: HistogramVec,
     /// In the order of [`Work::ALL`].
     stage_seconds: [HistogramVec; 3],
-    /// Pieces of work running and waiting, by lane.
+    /// Pieces of work that run, by lane.
     pub pool_running: IntGaugeVec,
+    /// Pieces of work that wait, by lane.
     pub pool_waiting: IntGaugeVec,
-    /// Loaded versions and the bytes that they hold.
+    /// Loaded versions.
     pub versions_loaded: IntGauge,
+    /// Bytes that they hold.
     pub versions_loaded_bytes: IntGauge,
-    /// Live tracks and the bytes that they hold.
+    /// Live tracks.
     pub tracks: IntGauge,
+    /// Bytes that they hold.
     pub tracks_bytes: IntGauge,
     /// Jobs by state, as the catalogue has them.
     pub jobs: IntGaugeVec,
@@ -128,65 +134,36 @@ impl Metrics {
     /// A registry with every metric of the service at zero.
     pub fn new() -> Self {
         let registry = Registry::new();
-        let request_buckets = vec![0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0];
+        let gauge = |name: &str, help: &str| register(&registry, IntGauge::new(name, help));
+        let gauges = |name: &str, help: &str, label: &str| {
+            register(&registry, IntGaugeVec::new(Opts::new(name, help), &[label]))
+        };
+        let opts = |name: &str, help: &str, buckets: &[f64]| {
+            HistogramOpts::new(name, help).buckets(buckets.to_vec())
+        };
+        let requests = Opts::new("landmarkd_requests_total", "Requests answered, by route and status");
+        let requests = IntCounterVec::new(requests, &["method", "route", "status"]);
+        let request_buckets = [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0];
+        let request_seconds = opts("landmarkd_request_seconds", "Time to answer, by route", &request_buckets);
+        let training_buckets = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+        let training_help = "Time of one training, start to version";
+        let training_seconds = opts("landmarkd_training_seconds", training_help, &training_buckets);
         let metrics = Self {
-            requests: register(
-                &registry,
-                IntCounterVec::new(
-                    Opts::new("landmarkd_requests_total", "Requests answered, by route and status"),
-                    &["method", "route", "status"],
-                ),
-            ),
-            request_seconds: register(
-                &registry,
-                HistogramVec::new(
-                    HistogramOpts::new("landmarkd_request_seconds", "Time to answer, by route")
-                        .buckets(request_buckets),
-                    &["method", "route"],
-                ),
-            ),
+            requests: register(&registry, requests),
+            request_seconds: register(&registry, HistogramVec::new(request_seconds, &["method", "route"])),
             stage_seconds: Work::ALL.map(|work| register(&registry, work.histogram())),
-            pool_running: register(
-                &registry,
-                IntGaugeVec::new(
-                    Opts::new("landmarkd_pool_running", "Pieces of work on a computing thread"),
-                    &["lane"],
-                ),
+            pool_running: gauges("landmarkd_pool_running", "Pieces of work on a computing thread", "lane"),
+            pool_waiting: gauges(
+                "landmarkd_pool_waiting",
+                "Pieces of work waiting for a computing thread",
+                "lane",
             ),
-            pool_waiting: register(
-                &registry,
-                IntGaugeVec::new(
-                    Opts::new("landmarkd_pool_waiting", "Pieces of work waiting for a computing thread"),
-                    &["lane"],
-                ),
-            ),
-            versions_loaded: register(
-                &registry,
-                IntGauge::new("landmarkd_versions_loaded", "Database versions held in memory"),
-            ),
-            versions_loaded_bytes: register(
-                &registry,
-                IntGauge::new("landmarkd_versions_loaded_bytes", "Memory of the loaded versions"),
-            ),
-            tracks: register(&registry, IntGauge::new("landmarkd_tracks", "Live tracks")),
-            tracks_bytes: register(
-                &registry,
-                IntGauge::new("landmarkd_tracks_bytes", "Memory of the live tracks"),
-            ),
-            jobs: register(
-                &registry,
-                IntGaugeVec::new(Opts::new("landmarkd_jobs", "Jobs in the catalogue, by state"), &["state"]),
-            ),
-            training_seconds: register(
-                &registry,
-                Histogram::with_opts(
-                    HistogramOpts::new(
-                        "landmarkd_training_seconds",
-                        "Time of one training, start to version",
-                    )
-                    .buckets(vec![0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]),
-                ),
-            ),
+            versions_loaded: gauge("landmarkd_versions_loaded", "Database versions held in memory"),
+            versions_loaded_bytes: gauge("landmarkd_versions_loaded_bytes", "Memory of the loaded versions"),
+            tracks: gauge("landmarkd_tracks", "Live tracks"),
+            tracks_bytes: gauge("landmarkd_tracks_bytes", "Memory of the live tracks"),
+            jobs: gauges("landmarkd_jobs", "Jobs in the catalogue, by state", "state"),
+            training_seconds: register(&registry, Histogram::with_opts(training_seconds)),
             registry,
         };
         for work in Work::ALL {
@@ -202,18 +179,18 @@ impl Metrics {
         metrics
     }
 
-    /// One answered request. `route` is the route's pattern, never the path, so labels stay few.
+    /// Counts one answered request. `route` is the route's pattern, never the path, so labels stay few.
     pub fn request(&self, method: &str, route: &str, status: u16, took: Duration) {
         self.requests.with_label_values(&[method, route, &status.to_string()]).inc();
         self.request_seconds.with_label_values(&[method, route]).observe(took.as_secs_f64());
     }
 
-    /// One stage of one piece of work; `stage` is one of [`Work::stages`].
+    /// Times one stage of one piece of work; `stage` is one of [`Work::stages`].
     pub fn stage(&self, work: Work, stage: &str, took: Duration) {
         self.stage_seconds[work as usize].with_label_values(&[stage]).observe(took.as_secs_f64());
     }
 
-    /// One finished training.
+    /// Times one finished training.
     pub fn training(&self, took: Duration) {
         self.training_seconds.observe(took.as_secs_f64());
     }

@@ -13,30 +13,57 @@ use tokio::sync::watch;
 use crate::config::TlsFiles;
 use crate::telemetry::chain;
 
-/// How often the files are looked at.
-const LOOK_EVERY: Duration = Duration::from_secs(2);
+/// Time between two reads of the files.
+const READ_EVERY: Duration = Duration::from_secs(2);
 
 /// Why a certificate can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
+    /// A file isn't there, or may not be read.
     #[error("can't read {path}: check --tls-cert and --tls-key, and who may read the file")]
-    Unreadable { path: PathBuf, source: std::io::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The certificate's file is something else.
     #[error("{path} holds no certificate as PEM")]
-    NoCertificate { path: PathBuf, source: Option<pem::Error> },
+    NoCertificate {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it; none when it holds no certificate at all.
+        source: Option<pem::Error>,
+    },
+    /// The key's file is something else.
     #[error("{path} holds no private key as PEM")]
-    NoKey { path: PathBuf, source: pem::Error },
+    NoKey {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: pem::Error,
+    },
+    /// The key isn't that of the certificate.
     #[error("{} and {} don't make a pair", files.cert.display(), files.key.display())]
-    NoPair { files: TlsFiles, source: rustls::Error },
+    NoPair {
+        /// Both files.
+        files: TlsFiles,
+        /// What is wrong with them.
+        source: rustls::Error,
+    },
 }
 
-/// What the two files hold.
+/// The TLS settings for new connections, as they change.
+pub type ConfigReceiver = watch::Receiver<Arc<ServerConfig>>;
+
+/// The bytes of both files.
 #[derive(PartialEq, Eq)]
-struct Texts {
+struct PemPair {
     cert: Vec<u8>,
     key: Vec<u8>,
 }
 
-impl Texts {
+impl PemPair {
     async fn read(files: &TlsFiles) -> Result<Self, TlsError> {
         let read = async |path: &PathBuf| {
             let unreadable = |source| TlsError::Unreadable { path: path.clone(), source };
@@ -49,7 +76,7 @@ impl Texts {
         Ok(Self { cert: read(&files.cert).await?, key: read(&files.key).await? })
     }
 
-    fn settle(&self, files: &TlsFiles) -> Result<Arc<ServerConfig>, TlsError> {
+    fn config(&self, files: &TlsFiles) -> Result<Arc<ServerConfig>, TlsError> {
         let no_certificate = |source| TlsError::NoCertificate { path: files.cert.clone(), source };
         let chain: Vec<_> = CertificateDer::pem_slice_iter(&self.cert)
             .collect::<Result<_, _>>()
@@ -71,35 +98,33 @@ impl Texts {
     }
 }
 
-/// The certificate in force for new connections, and a task that follows its files for as long as it is polled.
-/// A pair that can't be used leaves the one before it in force.
+/// The TLS settings for new connections, and a task that reads both files again for as long as it is polled. A pair that
+/// can't be used leaves the one before it in force.
 ///
 /// # Errors
 /// [`TlsError`]: why the pair can't be used now.
-pub async fn follow(
-    files: TlsFiles,
-) -> Result<(watch::Receiver<Arc<ServerConfig>>, impl Future<Output = ()> + Send), TlsError> {
-    let mut seen = Texts::read(&files).await?;
-    let (announce, in_force) = watch::channel(seen.settle(&files)?);
+pub async fn follow(files: TlsFiles) -> Result<(ConfigReceiver, impl Future<Output = ()> + Send), TlsError> {
+    let mut current = PemPair::read(&files).await?;
+    let (announce, in_force) = watch::channel(current.config(&files)?);
     let following = async move {
         let mut unreadable = false;
         loop {
-            tokio::time::sleep(LOOK_EVERY).await;
-            let settled = match Texts::read(&files).await {
-                Ok(texts) if texts == seen && !unreadable => continue,
-                Ok(texts) => {
+            tokio::time::sleep(READ_EVERY).await;
+            let config = match PemPair::read(&files).await {
+                Ok(pair) if pair == current && !unreadable => continue,
+                Ok(pair) => {
                     unreadable = false;
-                    seen = texts;
-                    seen.settle(&files)
+                    current = pair;
+                    current.config(&files)
                 }
-                // Told once, not at every look.
+                // Logged once, not at every read.
                 Err(_) if unreadable => continue,
                 Err(error) => {
                     unreadable = true;
                     Err(error)
                 }
             };
-            match settled {
+            match config {
                 Ok(config) => {
                     announce.send_replace(config);
                     tracing::info!("new connections get the certificate as it is now");

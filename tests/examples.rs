@@ -1,5 +1,7 @@
 //! The examples do what they say, on pictures drawn here.
 
+#![expect(clippy::unwrap_used, reason = "a test fails where its helpers panic")]
+
 #[path = "api/depth_pictures.rs"]
 #[expect(dead_code, reason = "shared with the tests of the API, which use all of it")]
 mod depth_pictures;

@@ -2,7 +2,7 @@
 //! is taken must then be of use.
 #![no_main]
 
-use landmarkd_fuzz::site::{Answer, Asked, ask};
+use landmarkd_fuzz::service::{Answer, Call, send};
 use landmarkd_fuzz::{drawn, seeds};
 use libfuzzer_sys::fuzz_target;
 
@@ -17,13 +17,13 @@ const CALLS: [(&str, &str); 8] = [
     ("PUT", "/v1/databases/lab/aliases/new"),
 ];
 
-fn send(method: &str, target: &str, media_type: &str, body: &[u8]) -> Option<Answer> {
+fn send_body(method: &str, target: &str, media_type: &str, body: &[u8]) -> Option<Answer> {
     let headers: [(&[u8], &[u8]); 1] = [(b"content-type", media_type.as_bytes())];
-    ask(Asked { method, target, headers: &headers, body, piece_bytes: 0 })
+    send(Call { method, target, headers: &headers, body, piece_bytes: 0 })
 }
 
 fn send_form(target: &str, parts: &[(&str, &[u8])]) {
-    send("POST", target, drawn::FORM, &drawn::form(parts));
+    send_body("POST", target, drawn::FORM, &drawn::form(parts));
 }
 
 fuzz_target!(init: seeds::write(seeds::documents), |bytes: &[u8]| {
@@ -40,7 +40,7 @@ fuzz_target!(init: seeds::write(seeds::documents), |bytes: &[u8]| {
         11 => send_form("/v1/calibrations/rig/sweep", &[("manifest", b"[]"), ("options", document)]),
         which => {
             let (method, target) = CALLS[which];
-            let answer = send(method, target, "application/json", document);
+            let answer = send_body(method, target, "application/json", document);
             if answer.is_none_or(|answer| answer.status >= 300) {
                 return;
             }
@@ -48,21 +48,21 @@ fuzz_target!(init: seeds::write(seeds::documents), |bytes: &[u8]| {
                 0 => {
                     for number in 0..2 {
                         let target = format!("/v1/databases/new/exemplars?label=l{number}&pose_deg={number}");
-                        send("POST", &target, "image/png", &drawn::scene_png(number));
+                        send_body("POST", &target, "image/png", &drawn::scene_png(number));
                     }
-                    send("POST", "/v1/databases/new/trainings", "application/json", b"{}");
-                    send("DELETE", "/v1/databases/new", "", b"");
+                    send_body("POST", "/v1/databases/new/trainings", "application/json", b"{}");
+                    send_body("DELETE", "/v1/databases/new", "", b"");
                 }
                 2 => {
                     send_form("/v1/depth-maps", &[("near", &near), ("far", &far), ("calibration", b"new")]);
-                    send("GET", "/v1/calibrations", "", b"");
-                    send("DELETE", "/v1/calibrations/new", "", b"");
+                    send_body("GET", "/v1/calibrations", "", b"");
+                    send_body("DELETE", "/v1/calibrations/new", "", b"");
                 }
                 3 => {
                     send_form("/v1/workcells/new/inspections", &[("overview", &near)]);
-                    send("POST", "/v1/workcells/new/centrings", "image/png", &near);
-                    send("GET", "/v1/workcells", "", b"");
-                    send("DELETE", "/v1/workcells/new", "", b"");
+                    send_body("POST", "/v1/workcells/new/centrings", "image/png", &near);
+                    send_body("GET", "/v1/workcells", "", b"");
+                    send_body("DELETE", "/v1/workcells/new", "", b"");
                 }
                 _ => {}
             }

@@ -1,7 +1,7 @@
 //! The reader of forms, at every call that takes one.
 #![no_main]
 
-use landmarkd_fuzz::site::{Asked, ask};
+use landmarkd_fuzz::service::{Call, send};
 use landmarkd_fuzz::{drawn, seeds};
 use libfuzzer_sys::fuzz_target;
 
@@ -21,5 +21,5 @@ fuzz_target!(init: seeds::write(seeds::forms), |bytes: &[u8]| {
     let [call, pieces, body @ ..] = bytes else { return };
     let target = CALLS[usize::from(*call) % CALLS.len()];
     let headers: [(&[u8], &[u8]); 1] = [(b"content-type", drawn::FORM.as_bytes())];
-    ask(Asked { method: "POST", target, headers: &headers, body, piece_bytes: 1 << (pieces % 12) });
+    send(Call { method: "POST", target, headers: &headers, body, piece_bytes: 1 << (pieces % 12) });
 });

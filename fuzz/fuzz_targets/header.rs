@@ -3,7 +3,7 @@
 
 use axum::http::{HeaderMap, HeaderValue, header};
 use landmarkd::http::accept;
-use landmarkd_fuzz::site::{Asked, ask};
+use landmarkd_fuzz::service::{Call, send};
 use landmarkd_fuzz::{drawn, seeds};
 use libfuzzer_sys::fuzz_target;
 
@@ -42,5 +42,5 @@ fuzz_target!(init: seeds::write(seeds::headers), |bytes: &[u8]| {
         "PUT" => br#"{"version":1}"#,
         _ => b"",
     };
-    ask(Asked { method, target, headers: &headers, body, piece_bytes: 0 });
+    send(Call { method, target, headers: &headers, body, piece_bytes: 0 });
 });

@@ -3,7 +3,7 @@
 
 use landmarkd::database::Name;
 use landmarkd_fuzz::seeds;
-use landmarkd_fuzz::site::{Asked, ask};
+use landmarkd_fuzz::service::{Call, send};
 use libfuzzer_sys::fuzz_target;
 
 const CALLS: [(&str, &str); 10] = [
@@ -28,9 +28,9 @@ fuzz_target!(init: seeds::write(seeds::names), |bytes: &[u8]| {
     let (method, path) = CALLS[usize::from(*call) % CALLS.len()];
     let headers: [(&[u8], &[u8]); 1] = [(b"content-type", b"application/json")];
     let body = if method == "PUT" { &br#"{"kind":"landmarks"}"#[..] } else { b"" };
-    let answer = ask(Asked { method, target: &path.replace("{}", name), headers: &headers, body, piece_bytes: 0 });
+    let answer = send(Call { method, target: &path.replace("{}", name), headers: &headers, body, piece_bytes: 0 });
     // What was made under the name isn't kept.
     if answer.is_some_and(|answer| answer.status == 201) {
-        ask(Asked { method: "DELETE", target: &path.replace("{}", name), ..Asked::default() });
+        send(Call { method: "DELETE", target: &path.replace("{}", name), ..Call::default() });
     }
 });

@@ -5,7 +5,8 @@ use landmarkd_core::imaging::{DecodeLimits, decode, read_header};
 use landmarkd_fuzz::seeds;
 use libfuzzer_sys::fuzz_target;
 
-const LIMITS: DecodeLimits = DecodeLimits { max_side_px: 1024, max_pixels: 1 << 18, max_alloc_bytes: 4 << 20 };
+const LIMITS: DecodeLimits =
+    DecodeLimits { max_side_px: 1024, max_pixels: 1 << 18, max_alloc_bytes: 4 << 20 };
 
 fuzz_target!(init: seeds::write(seeds::pictures), |bytes: &[u8]| {
     let header = read_header(bytes, &LIMITS);

@@ -1,7 +1,7 @@
 //! Query parameters of the calls that take many.
 #![no_main]
 
-use landmarkd_fuzz::site::{Asked, ask};
+use landmarkd_fuzz::service::{Call, send};
 use landmarkd_fuzz::{drawn, seeds};
 use libfuzzer_sys::fuzz_target;
 
@@ -28,5 +28,5 @@ fuzz_target!(init: seeds::write(seeds::queries), |bytes: &[u8]| {
     let (media_type, body) = if takes_form { (drawn::FORM, &form) } else { ("image/png", &picture) };
     let headers: [(&[u8], &[u8]); 1] = [(b"content-type", media_type.as_bytes())];
     let body = if method == "GET" { &[][..] } else { body };
-    ask(Asked { method, target: &format!("{path}?{query}"), headers: &headers, body, piece_bytes: 0 });
+    send(Call { method, target: &format!("{path}?{query}"), headers: &headers, body, piece_bytes: 0 });
 });

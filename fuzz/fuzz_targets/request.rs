@@ -2,7 +2,7 @@
 #![no_main]
 
 use landmarkd_fuzz::seeds;
-use landmarkd_fuzz::site::{Asked, ask};
+use landmarkd_fuzz::service::{Call, send};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(init: seeds::write(seeds::requests), |bytes: &[u8]| {
@@ -17,5 +17,5 @@ fuzz_target!(init: seeds::write(seeds::requests), |bytes: &[u8]| {
             Some((&line[..colon], line[colon + 1..].trim_ascii()))
         })
         .collect();
-    ask(Asked { method, target, headers: &headers, body, piece_bytes: 0 });
+    send(Call { method, target, headers: &headers, body, piece_bytes: 0 });
 });

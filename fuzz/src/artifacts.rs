@@ -1,4 +1,4 @@
-//! Artifact files: what a changed one needs to be read on, and what a read one must stand.
+//! Artifact files: correcting the checksum of a changed one, and what must hold for every one that is read.
 
 use landmarkd::database::artifact::{self, Artifact};
 use landmarkd::database::{Model, Options};
@@ -6,13 +6,13 @@ use landmarkd_core::imaging::{Frame, Image};
 use landmarkd_core::recognition::{landmarks, objects};
 
 use crate::drawn;
-use crate::site::{Asked, ask};
+use crate::service::{Call, send};
 
 /// Artifacts of every kind and method, as the service gives them.
 pub fn trained() -> Vec<Vec<u8>> {
     let files = ["lab", "placed", "parts"].map(|database| {
         let target = format!("/v1/databases/{database}/versions/1/artifact");
-        let answer = ask(Asked { method: "GET", target: &target, ..Asked::default() });
+        let answer = send(Call { method: "GET", target: &target, ..Call::default() });
         answer.expect("this is a request").body.to_vec()
     });
     files.into()
@@ -21,22 +21,23 @@ pub fn trained() -> Vec<Vec<u8>> {
 const CHECKSUM: &[u8] = br#"\"checksum\":\""#;
 const CHECKSUM_DIGITS: usize = 64;
 
-/// The file with its checksum put right, if there is a place for one.
-pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
+/// The file with its checksum corrected, if there is a place for one.
+pub fn with_checksum(file: &[u8]) -> Option<Vec<u8>> {
     let before = file.windows(CHECKSUM.len()).position(|window| window == CHECKSUM)?;
     let digits = before + CHECKSUM.len()..before + CHECKSUM.len() + CHECKSUM_DIGITS;
-    let mut sealed = file.to_vec();
-    sealed.get_mut(digits.clone())?.fill(b'0');
-    let checksum = blake3::hash(&sealed).to_hex();
-    sealed[digits].copy_from_slice(checksum.as_bytes());
-    Some(sealed)
+    let mut corrected = file.to_vec();
+    corrected.get_mut(digits.clone())?.fill(b'0');
+    let checksum = blake3::hash(&corrected).to_hex();
+    corrected[digits].copy_from_slice(checksum.as_bytes());
+    Some(corrected)
 }
 
 /// Read a file; one that is taken must be whole: it recognises, and it writes itself.
 pub fn read(file: &[u8]) {
     let Ok(read) = artifact::read(file) else { return };
     let written = artifact::write(&read);
-    let again = artifact::read(&written).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
+    let again =
+        artifact::read(&written).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
     assert!(artifact::write(&again) == written, "the same version gives the same bytes");
     use_it(&read);
 }

@@ -62,7 +62,8 @@ pub fn optics() -> Value {
 /// A workcell over the database `parts`.
 pub fn workcell() -> Value {
     let corners = [[1.0, 1.0], [22.0, 1.5], [2.0, 21.0], [23.0, 22.0]];
-    let pairs = corners.map(|[x, y]| json!({"image_px": [x, y], "robot_mm": [x / 2.0 + 100.0, 300.0 - y / 2.0]}));
+    let pairs =
+        corners.map(|[x, y]| json!({"image_px": [x, y], "robot_mm": [x / 2.0 + 100.0, 300.0 - y / 2.0]}));
     json!({"database": "parts", "calibration": "rig", "correspondences": pairs,
            "local": {"mm_per_px": 0.1, "rotation_deg": 12}})
 }
@@ -109,13 +110,13 @@ pub fn archive(files: &[(&str, &[u8])]) -> Vec<u8> {
     with_checksums(&archive)
 }
 
-/// The archive with the checksum of every header that is reached by the sizes before it put right: otherwise no
-/// changed header would ever be read.
+/// The archive with corrected checksums, of every header that the sizes before it lead to: otherwise no changed header
+/// would ever be read.
 pub fn with_checksums(archive: &[u8]) -> Vec<u8> {
-    let mut mended = archive.to_vec();
+    let mut corrected = archive.to_vec();
     let mut at = 0;
-    while at + BLOCK_BYTES <= mended.len() {
-        let header = &mut mended[at..at + BLOCK_BYTES];
+    while at + BLOCK_BYTES <= corrected.len() {
+        let header = &mut corrected[at..at + BLOCK_BYTES];
         if header.iter().all(|byte| *byte == 0) {
             at += BLOCK_BYTES;
             continue;
@@ -125,8 +126,8 @@ pub fn with_checksums(archive: &[u8]) -> Vec<u8> {
         header[148..155].copy_from_slice(format!("{sum:06o}\0").as_bytes());
         let octal = std::str::from_utf8(&header[124..135]).unwrap_or_default();
         let size = usize::from_str_radix(octal.trim_matches(['\0', ' ']), 8).unwrap_or_default();
-        let blocks = size.min(mended.len()).div_ceil(BLOCK_BYTES);
+        let blocks = size.min(corrected.len()).div_ceil(BLOCK_BYTES);
         at += BLOCK_BYTES * (1 + blocks);
     }
-    mended
+    corrected
 }

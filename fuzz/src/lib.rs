@@ -1,6 +1,6 @@
-//! What the fuzz targets share: the service, drawn inputs, and what makes a changed artifact look whole again.
+//! What the fuzz targets share: the service, drawn inputs, and correct checksums for changed artifacts.
 
 pub mod artifacts;
 pub mod drawn;
 pub mod seeds;
-pub mod site;
+pub mod service;

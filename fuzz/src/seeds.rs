@@ -25,19 +25,33 @@ pub fn write(seeds: impl FnOnce() -> Vec<Vec<u8>>) {
 
 /// Names, words and paths of the OpenAPI document, for every target to try.
 fn words() -> BTreeSet<String> {
-    let document: Value = serde_json::from_str(&landmarkd::http::openapi::text()).expect("the document is JSON");
+    let document: Value =
+        serde_json::from_str(&landmarkd::http::openapi::text()).expect("the document is JSON");
     let mut words = BTreeSet::new();
-    let plain = |word: &str| word.len() > 1 && word.len() < 64 && word.bytes().all(|c| (b' '..=b'~').contains(&c) && !b"\"\\".contains(&c));
+    let plain = |word: &str| {
+        word.len() > 1
+            && word.len() < 64
+            && word.bytes().all(|c| (b' '..=b'~').contains(&c) && !b"\"\\".contains(&c))
+    };
     let mut stack = vec![&document];
     while let Some(value) = stack.pop() {
         match value {
             Value::Object(members) => {
                 for (name, member) in members {
                     if name == "enum" || name == "required" {
-                        words.extend(member.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned));
+                        words.extend(
+                            member
+                                .as_array()
+                                .into_iter()
+                                .flatten()
+                                .filter_map(Value::as_str)
+                                .map(str::to_owned),
+                        );
                     }
                     if name == "properties" || name == "paths" {
-                        words.extend(member.as_object().into_iter().flat_map(|members| members.keys().cloned()));
+                        words.extend(
+                            member.as_object().into_iter().flat_map(|members| members.keys().cloned()),
+                        );
                     }
                     if name == "name" {
                         words.extend(member.as_str().map(str::to_owned));
@@ -78,7 +92,8 @@ fn each(calls: u8, bodies: &[Vec<u8>]) -> Vec<Vec<u8>> {
 pub fn forms() -> Vec<Vec<u8>> {
     let (near, far) = (scene_png(1), scene_png(2));
     let line = br#"[{"file":"a","label":"cup"}]"#;
-    let planes: Vec<Value> = (0..5).map(|n| json!({"depth_mm": 540 + 30 * n, "near": "n", "far": "f"})).collect();
+    let planes: Vec<Value> =
+        (0..5).map(|n| json!({"depth_mm": 540 + 30 * n, "near": "n", "far": "f"})).collect();
     let planes = Value::Array(planes).to_string();
     let optics = drawn::optics().to_string();
     [
@@ -98,7 +113,7 @@ pub fn forms() -> Vec<Vec<u8>> {
     .collect()
 }
 
-/// Archives; the first byte says whether checksums are put right.
+/// Archives; the first byte says whether checksums are corrected.
 pub fn archives() -> Vec<Vec<u8>> {
     let picture = scene_png(1);
     let plain = archive(&[("cup/a__12.5.png", &picture), ("can/b.png", &picture)]);
@@ -114,7 +129,8 @@ pub fn archives() -> Vec<Vec<u8>> {
 /// Manifests of exemplars and of planes; the first byte names the call.
 pub fn manifests() -> Vec<Vec<u8>> {
     let exemplars = br#"[{"file":"a","label":"cup","pose_deg":12.5},{"file":"b","label":"can"}]"#.to_vec();
-    let planes = br#"[{"depth_mm":540.5,"near":"a","far":"b"},{"depth_mm":600,"near":"a","far":"b"}]"#.to_vec();
+    let planes =
+        br#"[{"depth_mm":540.5,"near":"a","far":"b"},{"depth_mm":600,"near":"a","far":"b"}]"#.to_vec();
     each(2, &[exemplars, planes])
 }
 
@@ -170,15 +186,19 @@ pub fn headers() -> Vec<Vec<u8>> {
 
 /// Whole requests as text: method and target, headers, an empty line, the body.
 pub fn requests() -> Vec<Vec<u8>> {
-    let document: Value = serde_json::from_str(&landmarkd::http::openapi::text()).expect("the document is JSON");
+    let document: Value =
+        serde_json::from_str(&landmarkd::http::openapi::text()).expect("the document is JSON");
     let mut requests = Vec::new();
     for (path, item) in document["paths"].as_object().into_iter().flatten() {
-        for (method, operation) in item.as_object().into_iter().flatten().filter(|(_, found)| found.is_object()) {
+        for (method, operation) in
+            item.as_object().into_iter().flatten().filter(|(_, found)| found.is_object())
+        {
             let id = [("exemplars", "@exemplar"), ("jobs", "@job"), ("tracks", "@track")];
             let id = id.iter().find(|(word, _)| path.contains(word)).map_or("1", |(_, id)| id);
             let name = if path.contains("workcells") { "bench" } else { "rig" };
             let target = path.replace("{database}", "lab").replace("{id}", id).replace("{version}", "1");
-            let target = target.replace("{alias}", "current").replace("{image}", "mean").replace("{name}", name);
+            let target =
+                target.replace("{alias}", "current").replace("{image}", "mean").replace("{name}", name);
             let content = operation["requestBody"]["content"].as_object();
             let media_type = content.and_then(|content| content.keys().next()).map_or("", String::as_str);
             let body = match media_type {

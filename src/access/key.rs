@@ -13,18 +13,18 @@ const SECRET_DIGITS: usize = 64;
 /// SHA-256 of a key's text. The text has 256 random bits, so a slow hash would protect nothing more.
 pub(super) type KeyHash = [u8; 32];
 
-/// A key as its holder has it. Its text is a secret, so it isn't shown by accident.
+/// A key as its holder has it. Its text is a secret, so `Debug` shows the id only.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Key {
     text: String,
 }
 
 impl Key {
-    /// A new key.
+    /// A new random key.
     ///
     /// # Errors
     /// The operating system gives no random numbers.
-    pub(super) fn make() -> Result<Self, getrandom::Error> {
+    pub(super) fn generate() -> Result<Self, getrandom::Error> {
         let (mut id, mut secret) = ([0; ID_DIGITS / 2], [0; SECRET_DIGITS / 2]);
         getrandom::fill(&mut id)?;
         getrandom::fill(&mut secret)?;
@@ -54,6 +54,7 @@ impl Key {
         &self.text
     }
 
+    /// What the catalogue keeps of the key.
     pub(super) fn hash(&self) -> KeyHash {
         Sha256::digest(&self.text).into()
     }
@@ -70,6 +71,7 @@ impl fmt::Debug for Key {
     }
 }
 
+/// Bytes as lower-case hexadecimal digits.
 pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -92,19 +94,19 @@ mod tests {
 
     #[test]
     fn a_key_is_read_back_and_shows_its_id_alone() {
-        let key = Key::make().unwrap();
+        let key = Key::generate().unwrap();
         assert_eq!(key.reveal().len(), 3 + 1 + 16 + 1 + 64);
         assert_eq!(Key::parse(key.reveal()).as_ref(), Some(&key));
         let shown = format!("{key:?}");
         assert!(shown.contains(key.id()) && !shown.contains(&key.reveal()[21..]), "{shown}");
         assert_eq!(hash_of_hex(&hex(&key.hash())), Some(key.hash()));
         assert!(key.has_hash(&key.hash()));
-        assert!(!Key::make().unwrap().has_hash(&key.hash()));
+        assert!(!Key::generate().unwrap().has_hash(&key.hash()));
     }
 
     #[test]
     fn only_a_whole_key_has_the_shape_of_one() {
-        let key = Key::make().unwrap();
+        let key = Key::generate().unwrap();
         let text = key.reveal();
         for wrong in [
             String::new(),

@@ -1,18 +1,17 @@
-//! The keys in force, held in memory: looked up for every call, and read anew when the catalogue hints at a change.
+//! The keys in force, held in memory: looked up for every call, and loaded again on a change notification.
 
 use std::collections::HashMap;
-use std::num::NonZeroU32;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
-use governor::clock::{Clock, DefaultClock};
-use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use jiff::Timestamp;
 use tokio::sync::watch;
 
-use super::key::{Key, KeyHash, hash_of_hex, hex};
+use super::caller::Caller;
+use super::key::{Key, hex};
+use super::loaded_key::LoadedKey;
 use super::scope::Scope;
 use crate::store::{Actor, AuditFilter, AuditRow, Catalogue, CatalogueError, KeyRow, NewKey};
 
@@ -28,38 +27,53 @@ const MOST_PATTERNS: usize = 64;
 pub struct Grant {
     /// For people: whose key it is.
     pub name: String,
+    /// What the key may do.
     pub scope: Scope,
     /// Names of databases, with `*` and `?`; none: every database.
     pub databases: Option<Vec<String>>,
-    /// None: as often as there is time for.
+    /// Most requests in a second; none: no limit.
     pub requests_per_s: Option<u32>,
 }
 
-/// A new key: the one time that it is shown.
+/// A new key with its row; the key can't be had again.
 #[derive(Debug, Clone)]
-pub struct KeyGrant {
+pub struct IssuedKey {
+    /// The whole key.
     pub key: Key,
+    /// What the catalogue keeps of it.
     pub row: KeyRow,
 }
 
 /// Why keys can't be managed.
 #[derive(Debug, thiserror::Error)]
 pub enum AccessError {
-    /// The field of the grant, and what is wrong with it.
+    /// A field of the grant is wrong.
     #[error("{field} {fault}")]
-    Grant { field: &'static str, fault: String },
+    Grant {
+        /// The field's name.
+        field: &'static str,
+        /// What is wrong with it, for people.
+        fault: String,
+    },
+    /// There is no key of that id.
     #[error("there is no key {id}")]
-    UnknownKey { id: String },
+    UnknownKey {
+        /// The id that was given.
+        id: String,
+    },
+    /// No key can be made without random numbers.
     #[error("the operating system gives no random numbers")]
     NoRandomNumbers {
+        /// The error of the operating system.
         #[source]
         source: getrandom::Error,
     },
+    /// The catalogue failed.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
 }
 
-/// Why a call isn't let in.
+/// Why a call isn't admitted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Denied {
     /// It came without a key.
@@ -70,113 +84,25 @@ pub enum Denied {
     TooOften(Duration),
 }
 
-/// Who calls, and what they may do.
-#[derive(Debug, Clone)]
-pub struct Caller {
-    key: Option<Arc<HeldKey>>,
-}
-
-impl Caller {
-    /// Whether the scope of its key includes this one.
-    pub fn may(&self, scope: Scope) -> bool {
-        self.key.as_ref().is_none_or(|key| key.scope >= scope)
-    }
-
-    /// Whether its key reaches that database.
-    pub fn reaches(&self, database: &str) -> bool {
-        let confined = self.key.as_ref().and_then(|key| key.databases.as_ref());
-        confined.is_none_or(|patterns| patterns.iter().any(|pattern| pattern.matches(database)))
-    }
-
-    /// Whether its key reaches some databases only.
-    pub fn is_confined(&self) -> bool {
-        self.key.as_ref().is_some_and(|key| key.databases.is_some())
-    }
-
-    /// Id of its key.
-    pub fn key_id(&self) -> Option<&str> {
-        self.key.as_ref().map(|key| key.id.as_str())
-    }
-
-    /// Its key as a number: callers are told apart by it.
-    pub fn key_number(&self) -> Option<u64> {
-        self.key.as_ref().map(|key| key.number)
-    }
-
-    /// The caller as the record names it.
-    pub fn actor(&self, request_id: Option<String>) -> Actor {
-        match &self.key {
-            Some(key) => Actor { key: Some(key.id.clone()), name: key.name.clone(), request_id },
-            None => Actor { request_id, ..Actor::named("anyone") },
-        }
-    }
-}
-
-#[derive(Debug)]
-struct HeldKey {
-    id: String,
-    /// The same, read.
-    number: u64,
-    name: String,
-    hash: KeyHash,
-    scope: Scope,
-    databases: Option<Vec<glob::Pattern>>,
-    limiter: Option<DefaultDirectRateLimiter>,
-    last_used_us: AtomicI64,
-    noted_us: AtomicI64,
-}
-
-impl HeldKey {
-    /// The key of a row. One that can't be read, of a newer release perhaps, opens nothing.
-    fn of(row: &KeyRow) -> Option<Self> {
-        let databases = match &row.databases {
-            None => None,
-            Some(kept) => {
-                let names: Vec<String> = serde_json::from_str(kept).ok()?;
-                Some(names.iter().map(|name| glob::Pattern::new(name)).collect::<Result<_, _>>().ok()?)
-            }
-        };
-        let limiter = match row.requests_per_s {
-            None => None,
-            Some(rate) => {
-                let rate = NonZeroU32::new(u32::try_from(rate).ok()?)?;
-                Some(RateLimiter::direct(Quota::per_second(rate)))
-            }
-        };
-        let used = row.last_used_at.map_or(0, Timestamp::as_microsecond);
-        Some(Self {
-            number: u64::from_str_radix(&row.id, 16).ok()?,
-            id: row.id.clone(),
-            name: row.name.clone(),
-            hash: hash_of_hex(&row.hash)?,
-            scope: row.scope.parse().ok()?,
-            databases,
-            limiter,
-            last_used_us: AtomicI64::new(used),
-            noted_us: AtomicI64::new(used),
-        })
-    }
-}
-
 #[derive(Default)]
-struct Held {
-    /// Those in force, by id.
-    keys: HashMap<String, Arc<HeldKey>>,
+struct LoadedKeys {
+    /// The keys in force, by id.
+    in_force: HashMap<String, Arc<LoadedKey>>,
     /// Whether there ever was a key.
-    ever_had_one: bool,
+    is_in_use: bool,
 }
 
 /// The keys of a service; cheap to clone.
 #[derive(Clone)]
 pub struct Keyring {
-    catalogue: Arc<dyn Catalogue>,
-    held: Arc<ArcSwap<Held>>,
+    catalogue: Arc<Catalogue>,
+    keys: Arc<ArcSwap<LoadedKeys>>,
     /// Whether a service that never had a key lets everybody in.
     open_without_keys: bool,
-    /// Grows when the keys were read anew.
-    read: watch::Sender<u64>,
-    /// One reads at a time, so that what was read first is never stored last.
-    reading: Arc<tokio::sync::Mutex<()>>,
+    /// Counts the refreshes.
+    refreshes: watch::Sender<u64>,
+    /// Locked during a refresh, so that the rows that were read first are never stored last.
+    refreshing: Arc<tokio::sync::Mutex<()>>,
 }
 
 impl Keyring {
@@ -184,16 +110,13 @@ impl Keyring {
     ///
     /// # Errors
     /// The catalogue is away.
-    pub async fn open(
-        catalogue: Arc<dyn Catalogue>,
-        open_without_keys: bool,
-    ) -> Result<Self, CatalogueError> {
+    pub async fn open(catalogue: Arc<Catalogue>, open_without_keys: bool) -> Result<Self, CatalogueError> {
         let keyring = Self {
             catalogue,
-            held: Arc::default(),
+            keys: Arc::default(),
             open_without_keys,
-            read: watch::Sender::new(0),
-            reading: Arc::default(),
+            refreshes: watch::Sender::new(0),
+            refreshing: Arc::default(),
         };
         keyring.refresh().await?;
         Ok(keyring)
@@ -201,76 +124,74 @@ impl Keyring {
 
     /// Whether some key is in force.
     pub fn has_keys(&self) -> bool {
-        !self.held.load().keys.is_empty()
+        !self.keys.load().in_force.is_empty()
     }
 
     /// Whether a call must come with a key.
-    pub fn asks(&self) -> bool {
-        !self.open_without_keys || self.held.load().ever_had_one
+    pub fn requires_key(&self) -> bool {
+        !self.open_without_keys || self.keys.load().is_in_use
     }
 
-    /// Let a call in that came with this key.
+    /// Admits a call that came with this key, and counts it.
     ///
     /// # Errors
-    /// Why it isn't let in.
+    /// Why the call isn't admitted.
     pub fn admit(&self, text: Option<&str>) -> Result<Caller, Denied> {
-        if !self.asks() {
-            return Ok(Caller { key: None });
+        if !self.requires_key() {
+            return Ok(Caller { key: None, request_id: None });
         }
         let key = Key::parse(text.ok_or(Denied::Missing)?).ok_or(Denied::Unknown)?;
-        let held = self.held.load().keys.get(key.id()).cloned().ok_or(Denied::Unknown)?;
-        if !key.has_hash(&held.hash) {
+        let loaded = self.keys.load().in_force.get(key.id()).cloned().ok_or(Denied::Unknown)?;
+        if !key.has_hash(&loaded.hash) {
             return Err(Denied::Unknown);
         }
-        held.last_used_us.fetch_max(Timestamp::now().as_microsecond(), Ordering::Relaxed);
-        if let Some(Err(until)) = held.limiter.as_ref().map(DefaultDirectRateLimiter::check) {
-            return Err(Denied::TooOften(until.wait_time_from(DefaultClock::default().now())));
-        }
-        Ok(Caller { key: Some(held) })
+        loaded.last_used_us.fetch_max(Timestamp::now().as_microsecond(), Ordering::Relaxed);
+        loaded.check_rate().map_err(Denied::TooOften)?;
+        Ok(Caller { key: Some(loaded), request_id: None })
     }
 
     /// Resolves when the caller's key isn't in force any more.
     pub async fn revoked(&self, caller: &Caller) {
         let Some(id) = caller.key_id() else { return std::future::pending().await };
-        let mut read = self.read.subscribe();
-        while self.held.load().keys.contains_key(id) {
-            if read.changed().await.is_err() {
+        let mut refreshes = self.refreshes.subscribe();
+        while self.keys.load().in_force.contains_key(id) {
+            if refreshes.changed().await.is_err() {
                 return std::future::pending().await;
             }
         }
     }
 
-    /// Read the keys anew.
+    /// Loads the keys again.
     ///
     /// # Errors
-    /// The catalogue is away: then the keys held stay in force.
+    /// The catalogue is away: then the keys that are loaded stay in force.
     pub async fn refresh(&self) -> Result<(), CatalogueError> {
-        let _one_at_a_time = self.reading.lock().await;
+        let _one_at_a_time = self.refreshing.lock().await;
         let rows = self.catalogue.keys().await?;
-        let before = self.held.load_full();
-        let in_force = rows.iter().filter(|row| row.revoked_at.is_none());
-        let keys = in_force.filter_map(|row| {
-            // All else of a key stays as it was made; its limiter goes on counting.
-            let held = before.keys.get(&row.id).cloned();
-            held.or_else(|| HeldKey::of(row).map(Arc::new)).map(|key| (row.id.clone(), key))
+        let before = self.keys.load_full();
+        let unrevoked = rows.iter().filter(|row| row.revoked_at.is_none());
+        let in_force = unrevoked.filter_map(|row| {
+            // A key never changes but for its revocation, and its limiter has to go on counting.
+            let loaded = before.in_force.get(&row.id).cloned();
+            loaded.or_else(|| LoadedKey::from_row(row).map(Arc::new)).map(|key| (row.id.clone(), key))
         });
-        let held = Held { keys: keys.collect(), ever_had_one: !rows.is_empty() };
-        self.held.store(Arc::new(held));
-        self.read.send_modify(|count| *count += 1);
+        let loaded = LoadedKeys { in_force: in_force.collect(), is_in_use: !rows.is_empty() };
+        self.keys.store(Arc::new(loaded));
+        self.refreshes.send_modify(|count| *count += 1);
         Ok(())
     }
 
-    /// Note when keys were last used.
+    /// Records in the catalogue when keys were last used.
     ///
     /// # Errors
-    /// The catalogue is away: then they are noted the next time.
-    pub async fn note_uses(&self) -> Result<(), CatalogueError> {
-        let held = self.held.load_full();
-        let mut due: Vec<_> = held
-            .keys
+    /// The catalogue is away: then the next call records them.
+    pub async fn record_uses(&self) -> Result<(), CatalogueError> {
+        let keys = self.keys.load_full();
+        let mut due: Vec<_> = keys
+            .in_force
             .values()
             .map(|key| (key, key.last_used_us.load(Ordering::Relaxed)))
-            .filter(|(key, used_us)| *used_us > key.noted_us.load(Ordering::Relaxed))
+            .filter(|(key, used_us)| *used_us > key.recorded_us.load(Ordering::Relaxed))
             .collect();
         // In one order in every process, so that no two wait for each other's rows.
         due.sort_by(|(a, _), (b, _)| a.id.cmp(&b.id));
@@ -281,18 +202,18 @@ impl Keyring {
         if uses.is_empty() {
             return Ok(());
         }
-        self.catalogue.note_key_uses(&uses).await?;
-        due.iter().for_each(|(key, used_us)| key.noted_us.store(*used_us, Ordering::Relaxed));
+        self.catalogue.record_key_uses(&uses).await?;
+        due.iter().for_each(|(key, used_us)| key.recorded_us.store(*used_us, Ordering::Relaxed));
         Ok(())
     }
 
-    /// Make a key. On return this process takes it.
+    /// Makes a key. On return this process accepts it.
     ///
     /// # Errors
     /// [`AccessError::Grant`], or the catalogue is away.
-    pub async fn create(&self, grant: &Grant, by: &Actor) -> Result<KeyGrant, AccessError> {
+    pub async fn create(&self, grant: &Grant, actor: &Actor) -> Result<IssuedKey, AccessError> {
         check(grant)?;
-        let key = Key::make().map_err(|source| AccessError::NoRandomNumbers { source })?;
+        let key = Key::generate().map_err(|source| AccessError::NoRandomNumbers { source })?;
         let new = NewKey {
             id: key.id().to_owned(),
             name: grant.name.clone(),
@@ -301,9 +222,9 @@ impl Keyring {
             databases: grant.databases.as_ref().map(|names| serde_json::json!(names).to_string()),
             requests_per_s: grant.requests_per_s.map(i64::from),
         };
-        let row = self.catalogue.insert_key(&new, by).await?;
+        let row = self.catalogue.insert_key(&new, actor).await?;
         self.refresh().await?;
-        Ok(KeyGrant { key, row })
+        Ok(IssuedKey { key, row })
     }
 
     /// Every key that ever was, the oldest first, with its last use in this process as of now.
@@ -312,21 +233,21 @@ impl Keyring {
     /// The catalogue is away.
     pub async fn list(&self) -> Result<Vec<KeyRow>, AccessError> {
         let mut rows = self.catalogue.keys().await?;
-        let held = self.held.load();
+        let keys = self.keys.load();
         for row in &mut rows {
-            let used = held.keys.get(&row.id).map_or(0, |key| key.last_used_us.load(Ordering::Relaxed));
+            let used = keys.in_force.get(&row.id).map_or(0, |key| key.last_used_us.load(Ordering::Relaxed));
             let used = Timestamp::from_microsecond(used).ok().filter(|used| *used > Timestamp::UNIX_EPOCH);
             row.last_used_at = row.last_used_at.max(used);
         }
         Ok(rows)
     }
 
-    /// End a key, for good; one that had ended stays as it is. On return this process refuses it.
+    /// Revokes a key, for good; a revoked one stays as it is. On return this process refuses it.
     ///
     /// # Errors
     /// [`AccessError::UnknownKey`], or the catalogue is away.
-    pub async fn revoke(&self, id: &str, by: &Actor) -> Result<(), AccessError> {
-        if self.catalogue.revoke_key(id, by).await?.is_none() {
+    pub async fn revoke(&self, id: &str, actor: &Actor) -> Result<(), AccessError> {
+        if self.catalogue.revoke_key(id, actor).await?.is_none() {
             return Err(AccessError::UnknownKey { id: id.to_owned() });
         }
         Ok(self.refresh().await?)

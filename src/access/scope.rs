@@ -3,8 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
 /// What a key may do; each includes the ones before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema, ValueEnum,
+)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = ScopeWord)]
 pub enum Scope {
     /// Ask, and read what the answers rest on.
     Recognise,
@@ -41,6 +49,7 @@ impl fmt::Display for Scope {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{word:?} is no scope: recognise, contribute, train and admin are")]
 pub struct UnknownScope {
+    /// The word that was read.
     pub word: String,
 }
 

@@ -4,80 +4,176 @@ use crate::compute::ComputeError;
 use crate::database::artifact::ArtifactError;
 use crate::database::calibrations::UnreadableCalibration;
 use crate::database::workcells::UnreadableWorkcell;
-use crate::store::{BlobError, CatalogueError};
+use crate::store::{BlobError, CatalogueError, InvalidBlobName};
 
-/// Why a call on a database failed. The HTTP rim gives each its code and status.
+/// Why a call on a database failed. HTTP gives each its code and status.
 #[derive(Debug, thiserror::Error)]
 pub enum DatabaseError {
+    /// No database has that name.
     #[error("there is no database {database}")]
-    UnknownDatabase { database: String },
+    UnknownDatabase {
+        /// The name that was asked for.
+        database: String,
+    },
+    /// The database has no such exemplar.
     #[error("database {database} has no exemplar {exemplar}")]
-    UnknownExemplar { database: String, exemplar: String },
+    UnknownExemplar {
+        /// The database's name.
+        database: String,
+        /// The id that was asked for.
+        exemplar: String,
+    },
+    /// The exemplar is known and its picture is damaged or gone.
     #[error("the picture of exemplar {exemplar} of database {database} is lost")]
     LostExemplar {
+        /// The database's name.
         database: String,
+        /// The exemplar's id.
         exemplar: String,
+        /// What is wrong with the blob.
         #[source]
         source: BlobError,
     },
+    /// The database has no version of that number.
     #[error("database {database} has no version {version}")]
-    UnknownVersion { database: String, version: i64 },
+    UnknownVersion {
+        /// The database's name.
+        database: String,
+        /// The number that was asked for.
+        version: i64,
+    },
+    /// The database has no alias of that name.
     #[error("database {database} has no alias {alias}")]
-    UnknownAlias { database: String, alias: String },
+    UnknownAlias {
+        /// The database's name.
+        database: String,
+        /// The name that was asked for.
+        alias: String,
+    },
+    /// No calibration has that name.
     #[error("there is no calibration {calibration}")]
-    UnknownCalibration { calibration: String },
+    UnknownCalibration {
+        /// The name that was asked for.
+        calibration: String,
+    },
+    /// The calibration isn't at the revision that was read.
     #[error("calibration {calibration} was changed meanwhile")]
-    CalibrationChanged { calibration: String },
+    CalibrationChanged {
+        /// The calibration's name.
+        calibration: String,
+    },
+    /// The calibration's document isn't one of this release.
     #[error("calibration {calibration} can't be read back")]
     UnreadableCalibration {
+        /// The calibration's name.
         calibration: String,
+        /// What is wrong with the document.
         #[source]
         source: UnreadableCalibration,
     },
+    /// No workcell has that name.
     #[error("there is no workcell {workcell}")]
-    UnknownWorkcell { workcell: String },
+    UnknownWorkcell {
+        /// The name that was asked for.
+        workcell: String,
+    },
+    /// The workcell's document isn't one of this release.
     #[error("workcell {workcell} can't be read back")]
     UnreadableWorkcell {
+        /// The workcell's name.
         workcell: String,
+        /// What is wrong with the document.
         #[source]
         source: UnreadableWorkcell,
     },
+    /// The call needs a database of another kind.
     #[error("database {database} is of kind {kind}, not of kind {wanted}")]
-    WrongKind { database: String, kind: String, wanted: &'static str },
+    WrongKind {
+        /// The database's name.
+        database: String,
+        /// Its kind.
+        kind: String,
+        /// The kind that the call needs.
+        wanted: &'static str,
+    },
+    /// What is to be put into the database is of another kind.
     #[error("database {database} is of kind {kind}")]
-    KindConflict { database: String, kind: String },
+    KindConflict {
+        /// The database's name.
+        database: String,
+        /// Its kind.
+        kind: String,
+    },
+    /// The database has no version that could answer.
     #[error("database {database} has no version yet")]
-    NotTrained { database: String },
+    NotTrained {
+        /// The database's name.
+        database: String,
+    },
+    /// The database has versions and no alias `current`.
     #[error("database {database} has versions, but its alias current names none")]
-    NoCurrent { database: String },
+    NoCurrent {
+        /// The database's name.
+        database: String,
+    },
+    /// An alias points to the version that is to be deleted.
     #[error("an alias points to version {version} of database {database}")]
-    VersionInUse { database: String, version: i64 },
+    VersionInUse {
+        /// The database's name.
+        database: String,
+        /// The version's number.
+        version: i64,
+    },
+    /// The alias was moved meanwhile.
     #[error("the alias is not at the revision that was expected")]
     PreconditionFailed,
+    /// The filter would delete everything.
     #[error("the filter names neither a label nor a robot")]
     EmptyFilter,
+    /// The version's artifact is damaged, gone, or of another release.
     #[error("version {version} of database {database} can't be loaded: {reason}")]
-    Unloadable { database: String, version: i64, reason: String },
+    Unloadable {
+        /// The database's name.
+        database: String,
+        /// The version's number.
+        version: i64,
+        /// What is wrong with the artifact, and what to do.
+        reason: String,
+    },
+    /// The artifact to import isn't one that this release can use.
     #[error("the artifact can't be used")]
     InvalidArtifact {
+        /// What is wrong with the file.
         #[source]
         source: ArtifactError,
     },
+    /// The catalogue is away, or refused the call.
     #[error("the catalogue failed")]
     Catalogue {
+        /// The catalogue's error.
         #[source]
         source: CatalogueError,
     },
+    /// The blob store is away, or refused the call.
     #[error("the blob store failed")]
     Blobs {
+        /// The blob store's error.
         #[from]
         source: BlobError,
     },
+    /// The queue of computations is full, or the service ends.
     #[error("no computing thread took the work")]
     Compute {
+        /// The error of the computing pool.
         #[from]
         source: ComputeError,
     },
+}
+
+impl From<InvalidBlobName> for DatabaseError {
+    fn from(source: InvalidBlobName) -> Self {
+        BlobError::from(source).into()
+    }
 }
 
 impl From<CatalogueError> for DatabaseError {

@@ -7,22 +7,27 @@ use std::fmt::Write;
 
 use bytes::Bytes;
 use jiff::Timestamp;
+use serde::Serialize;
 use sha2::{Digest, Sha256};
+use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name};
 use crate::store::{Actor, BlobName, CatalogueError};
 
-/// What a robot says about a frame; answers echo it as sent.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+/// What the robot says about its frame, as an answer echoes it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = HeaderEcho)]
 pub struct FrameHeader {
+    /// `X-Robot-Id` as sent.
     pub robot_id: Option<String>,
+    /// `X-Frame-Id` as sent.
     pub frame_id: Option<String>,
-    /// Capture time, RFC 3339 or `sec.nanosec`, as sent.
+    /// `X-Stamp` as sent: RFC 3339 or `sec.nanosec`.
     pub stamp: Option<String>,
 }
 
-/// A training image to add. Its bytes have been decoded once: they are a picture of the stated size.
+/// A training image to add. Its bytes have been decoded once: they are an image of that size.
 #[derive(Debug, Clone)]
 pub struct NewExemplar {
     label: Name,
@@ -35,7 +40,7 @@ pub struct NewExemplar {
 }
 
 impl NewExemplar {
-    /// A training image with its sum, which takes a while for large pictures. `pose_deg` is the turntable pose in
+    /// A training image with its SHA-256 sum, which takes a while for large images. `pose_deg` is the turntable pose in
     /// degrees, in [0, 360); `size_px` is width and height.
     pub fn of(
         label: Name,
@@ -65,11 +70,11 @@ fn sha256_hex(bytes: &[u8]) -> String {
 }
 
 impl Databases {
-    /// Keep a training image: its bytes first, then its row; `true` when it is new. The same bytes with the same
+    /// Keeps a training image: its bytes first, then its row; `true` when it is new. The same bytes with the same
     /// label and pose again give the exemplar that is there.
     ///
     /// # Errors
-    /// [`DatabaseError::UnknownDatabase`], or a store that is away.
+    /// [`DatabaseError::UnknownDatabase`], or the error of a store that is unavailable.
     pub async fn add_exemplar(
         &self,
         database: &Name,
@@ -131,6 +136,9 @@ impl Databases {
     }
 
     /// Exemplars by id, after `after`.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn exemplars(
         &self,
         database: &Name,
@@ -142,13 +150,16 @@ impl Databases {
     }
 
     /// The ids of all exemplars, in the order in which they came.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn exemplars_by_arrival(&self, database: &Name) -> Result<Vec<Uuid>, DatabaseError> {
         let mut rows = self.catalogue.training_set(database.as_str()).await?;
         rows.sort_by_key(|row| (row.created_at, row.id));
         Ok(rows.into_iter().map(|row| row.id).collect())
     }
 
-    /// Delete one exemplar.
+    /// Deletes one exemplar.
     ///
     /// # Errors
     /// [`DatabaseError::UnknownExemplar`].
@@ -159,7 +170,7 @@ impl Databases {
         Err(DatabaseError::UnknownExemplar { database: database.to_string(), exemplar: id.to_string() })
     }
 
-    /// Delete the exemplars that match the filter, and count them.
+    /// Deletes the exemplars that match the filter, and counts them.
     ///
     /// # Errors
     /// [`DatabaseError::EmptyFilter`] for a filter that names nothing: absent never means all.

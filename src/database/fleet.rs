@@ -8,7 +8,7 @@ use super::registry::ServedState;
 use super::{DatabaseError, Databases};
 use crate::store::ProcessRow;
 
-/// A process that hasn't told of itself for this long is taken for gone: five looks at the catalogue.
+/// A process whose row is older is taken for gone: five refreshes.
 const GONE_AFTER: Duration = Duration::from_secs(10);
 
 /// A process, and what it serves.
@@ -16,17 +16,20 @@ const GONE_AFTER: Duration = Duration::from_secs(10);
 pub struct Process {
     /// The name under which it does jobs.
     pub worker: String,
+    /// `serve`, `train` or `all`.
     pub role: String,
+    /// The databases that it serves.
     pub databases: Vec<ServedState>,
+    /// When it started.
     pub started_at: Timestamp,
 }
 
 impl Databases {
-    /// Tell the other processes what this one serves.
+    /// Writes down for the other processes what this one serves.
     ///
     /// # Errors
-    /// The catalogue is away.
-    pub async fn tell(&self, process: &Process) -> Result<(), DatabaseError> {
+    /// The catalogue is unavailable.
+    pub async fn record_process(&self, process: &Process) -> Result<(), DatabaseError> {
         let row = ProcessRow {
             worker: process.worker.clone(),
             role: process.role.clone(),
@@ -34,14 +37,14 @@ impl Databases {
             started_at: process.started_at,
             seen_at: process.started_at,
         };
-        Ok(self.catalogue.note_process(&row).await?)
+        Ok(self.catalogue.record_process(&row).await?)
     }
 
     /// The processes of the fleet by the time of their start; none where one process works alone. One whose row
     /// can't be read, of another release perhaps, is listed as serving nothing.
     ///
     /// # Errors
-    /// The catalogue is away.
+    /// The catalogue is unavailable.
     pub async fn processes(&self) -> Result<Vec<Process>, DatabaseError> {
         let rows = self.catalogue.processes(GONE_AFTER).await?;
         let process = |row: ProcessRow| Process {

@@ -1,41 +1,41 @@
 //! Databases: names, exemplars, options, versions, aliases; the registry of loaded versions; the artifact format.
 //! Calibrations of depth rigs and workcells stand beside them.
 //!
-//! [`Databases`] is the door. What it writes, it writes in the order of the protocol: the blob, then its row, then
-//! the alias. Plain records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves: they carry no
-//! behaviour, so a second copy would only forward. HTTP has wire shapes of its own.
+//! Callers use [`Databases`]. It writes in the order of the protocol: the blob, then its row, then the alias. Plain
+//! records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves. Options, reports and the parts of a
+//! calibration have one document each, which is kept, written into artifacts and sent over HTTP.
 //!
 //! Architecture invariant: nothing here knows HTTP, and nothing but `store` knows SQL or files.
 
 pub mod artifact;
-mod calibrations;
+pub(crate) mod calibrations;
 mod error;
 mod exemplar;
 mod fleet;
+mod model;
 mod name;
 pub mod options;
 pub mod registry;
 mod report;
 mod verification;
 mod version;
-mod workcells;
+pub(crate) mod words;
+pub(crate) mod workcells;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-pub use calibrations::{PictureBlob, Rig, UnreadableCalibration};
+pub use calibrations::{DepthMethodWord, PictureBlob, Rig, UnreadableCalibration};
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
 pub use fleet::Process;
+pub use model::{ALGORITHM_REVISION, Counts, Model};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
-pub use options::{Kind, Options};
-pub use registry::{LoadedVersion, Model, Registry};
-pub use report::{
-    ConfusionReport, DimensionRateReport, GapReport, HeldOutReport, LandmarkReport, ObjectsReport,
-    OneObjectReport, PoseErrorsReport, ReliabilityBinReport, ReliabilityReport, Report, ReportTimings,
-};
+pub use options::{Kind, Options, OptionsDocument};
+pub use registry::{LoadedVersion, Registry};
+pub(crate) use report::{LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings};
 pub use verification::{Verification, verify};
-pub use version::{ALGORITHM_REVISION, Counts, inputs_digest};
+pub use version::inputs_digest;
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};
 
 pub use crate::store::{
@@ -44,7 +44,7 @@ pub use crate::store::{
 };
 
 use crate::compute::Compute;
-use crate::store::{Actor, Blobs, Catalogue, Collected};
+use crate::store::{Actor, Blobs, Catalogue, OrphanCollection};
 
 /// The alias that answers when a call names none.
 pub const CURRENT: &str = "current";
@@ -52,7 +52,7 @@ pub const CURRENT: &str = "current";
 /// The databases of one catalogue and one blob store, and those of their versions that are in memory.
 #[derive(Clone)]
 pub struct Databases {
-    pub(crate) catalogue: Arc<dyn Catalogue>,
+    pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) blobs: Blobs,
     registry: Arc<Registry>,
 }
@@ -61,7 +61,7 @@ impl Databases {
     /// Open over a catalogue and a blob store; `memory_limit_bytes` bounds the versions that no alias of the
     /// databases in `holds` names.
     pub fn new(
-        catalogue: Arc<dyn Catalogue>,
+        catalogue: Arc<Catalogue>,
         blobs: Blobs,
         compute: Compute,
         memory_limit_bytes: u64,
@@ -77,19 +77,28 @@ impl Databases {
         &self.registry
     }
 
-    /// Whether the catalogue answers.
+    /// Asks the catalogue for an answer.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn ping_catalogue(&self) -> Result<(), DatabaseError> {
         Ok(self.catalogue.ping().await?)
     }
 
-    /// Whether the blob store answers.
+    /// Asks the blob store for an answer.
+    ///
+    /// # Errors
+    /// The blob store is unavailable.
     pub async fn ping_blobs(&self) -> Result<(), DatabaseError> {
         Ok(self.blobs.ping().await?)
     }
 
-    /// Remove blobs older than `age` that neither an exemplar nor a version names.
-    pub async fn collect_orphans(&self, age: Duration) -> Result<Collected, DatabaseError> {
-        Ok(self.blobs.collect_orphans(age, &*self.catalogue).await?)
+    /// Removes blobs older than `age` that neither an exemplar nor a version names.
+    ///
+    /// # Errors
+    /// A store is unavailable.
+    pub async fn collect_orphans(&self, age: Duration) -> Result<OrphanCollection, DatabaseError> {
+        Ok(crate::store::collect_orphans(&self.blobs, age, &self.catalogue).await?)
     }
 
     /// Create a database, or find the one of that name; `true` when it is new. Options given for a database that
@@ -127,11 +136,17 @@ impl Databases {
     }
 
     /// Databases by name, after `after`.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn list(&self, after: Option<&str>, limit: u32) -> Result<Vec<DatabaseRow>, DatabaseError> {
         Ok(self.catalogue.databases(after, limit).await?)
     }
 
     /// How much the database holds.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn counts(&self, name: &Name) -> Result<DatabaseCounts, DatabaseError> {
         Ok(self.catalogue.database_counts(name.as_str()).await?)
     }
@@ -149,6 +164,9 @@ impl Databases {
     }
 
     /// The aliases of a database, by name.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn aliases(&self, name: &Name) -> Result<Vec<AliasRow>, DatabaseError> {
         Ok(self.catalogue.aliases(name.as_str()).await?)
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::de::Visitor;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A name that matches `^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,13 +45,19 @@ impl fmt::Display for Name {
     }
 }
 
+impl Serialize for Name {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.0)
+    }
+}
+
 impl<'de> Deserialize<'de> for Name {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_str(NameVisitor)
     }
 }
 
-/// Judges the text where it is read, so that the error belongs to the field that it stands in.
+/// Checks the text while it is read, so that the error belongs to the field that it stands in.
 struct NameVisitor;
 
 impl Visitor<'_> for NameVisitor {

@@ -13,54 +13,22 @@ use arc_swap::ArcSwap;
 use serde::{Deserialize, Serialize};
 
 use super::artifact;
-use super::options::Options;
-use super::{CURRENT, DatabaseError, Databases, Kind, Name};
+use super::{CURRENT, DatabaseError, Databases, Model, Name};
 use crate::compute::{Compute, Lane};
-use crate::store::{AliasTarget, BlobError, Blobs, Catalogue};
+use crate::store::{AliasTarget, BlobError, Blobs, Catalogue, InvalidBlobName};
 use crate::telemetry::chain;
-use landmarkd_core::recognition::landmarks::Landmarks;
-use landmarkd_core::recognition::objects::Objects;
-
-/// What a version recognises with.
-pub enum Model {
-    Landmarks(Box<Landmarks>),
-    Objects(Box<Objects>),
-}
-
-impl Model {
-    /// The kind of its database.
-    pub fn kind(&self) -> Kind {
-        match self {
-            Self::Landmarks(_) => Kind::Landmarks,
-            Self::Objects(_) => Kind::Objects,
-        }
-    }
-
-    /// The options it was trained with.
-    pub fn options(&self) -> Options {
-        match self {
-            Self::Landmarks(landmarks) => Options::Landmarks(landmarks.options().clone()),
-            Self::Objects(objects) => Options::Objects(objects.options().clone()),
-        }
-    }
-
-    /// Memory that it holds.
-    pub fn bytes(&self) -> u64 {
-        match self {
-            Self::Landmarks(landmarks) => landmarks.bytes() as u64,
-            Self::Objects(objects) => objects.bytes() as u64,
-        }
-    }
-}
 
 /// A version in memory.
 pub struct LoadedVersion {
+    /// The database's name.
     pub database: String,
+    /// The version's number; 0 for one that has none yet.
     pub version: i64,
     /// Digest of the inputs it was trained from.
     pub digest: String,
+    /// What it recognises with.
     pub model: Model,
-    /// Memory that the model holds.
+    /// Memory that the model holds, in bytes.
     pub bytes: u64,
 }
 
@@ -76,15 +44,17 @@ struct Failure {
 /// How long a version that didn't load is left alone before it is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(10);
 
-/// A TiB.
+/// Largest budget for loading by number: a TiB.
 const MAX_MIB: u32 = 1 << 20;
 
+/// What the aliases name.
 #[derive(Default)]
 struct Snapshot {
     /// By database, then alias.
     databases: HashMap<String, BTreeMap<String, Served>>,
 }
 
+/// What one alias serves: the version it names, or the one before it and why that is so.
 #[derive(Clone, Default)]
 struct Served {
     version: Option<Arc<LoadedVersion>>,
@@ -94,6 +64,7 @@ struct Served {
 /// How a database is served by this process.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServedState {
+    /// The database's name.
     pub database: String,
     /// What `current` answers with; none when it names nothing, or its version never loaded.
     pub version: Option<i64>,
@@ -102,28 +73,28 @@ pub struct ServedState {
     pub reason: Option<String>,
 }
 
-/// Held by whoever loads a version.
-type LoadTurn = tokio::sync::Mutex<()>;
+/// Locked while a version is loaded, so that it is loaded once.
+type LoadLock = tokio::sync::Mutex<()>;
 
-/// See the module.
+/// The versions in memory, by alias and by number.
 pub struct Registry {
-    catalogue: Arc<dyn Catalogue>,
+    catalogue: Arc<Catalogue>,
     blobs: Blobs,
     compute: Compute,
     /// Databases whose aliased versions are held; none at all in a process that only trains.
     holds: Option<glob::Pattern>,
     snapshot: ArcSwap<Snapshot>,
     refreshing: tokio::sync::Mutex<()>,
-    /// What many ask for at once by number is loaded once; by database and version.
-    loading: Mutex<HashMap<(String, i64), Weak<LoadTurn>>>,
-    /// Room in MiB for versions being loaded by number: as much again as those that are kept may take.
-    loading_room: tokio::sync::Semaphore,
-    loading_room_mib: u32,
-    by_number: Mutex<ByNumber>,
+    /// By database and version.
+    load_locks: Mutex<HashMap<(String, i64), Weak<LoadLock>>>,
+    /// One permit for each MiB of versions that are loaded by number at once: as much again as the cache may hold.
+    loading_budget: tokio::sync::Semaphore,
+    loading_budget_mib: u32,
+    cache: Mutex<VersionCache>,
 }
 
-/// Versions asked for by number; the last of the list is the most recently used.
-struct ByNumber {
+/// Versions asked for by number, the most recently used last.
+struct VersionCache {
     versions: Vec<Arc<LoadedVersion>>,
     limit_bytes: u64,
 }
@@ -132,13 +103,13 @@ impl Registry {
     /// An empty registry; [`Registry::refresh`] fills it with what the aliases of the databases that it `holds`
     /// name.
     pub fn new(
-        catalogue: Arc<dyn Catalogue>,
+        catalogue: Arc<Catalogue>,
         blobs: Blobs,
         compute: Compute,
         memory_limit_bytes: u64,
         holds: Option<glob::Pattern>,
     ) -> Self {
-        let loading_room_mib = mib(memory_limit_bytes);
+        let loading_budget_mib = mib(memory_limit_bytes);
         Self {
             catalogue,
             blobs,
@@ -146,10 +117,10 @@ impl Registry {
             holds,
             snapshot: ArcSwap::default(),
             refreshing: tokio::sync::Mutex::default(),
-            loading: Mutex::default(),
-            loading_room: tokio::sync::Semaphore::new(loading_room_mib as usize),
-            loading_room_mib,
-            by_number: Mutex::new(ByNumber { versions: Vec::new(), limit_bytes: memory_limit_bytes }),
+            load_locks: Mutex::default(),
+            loading_budget: tokio::sync::Semaphore::new(loading_budget_mib as usize),
+            loading_budget_mib,
+            cache: Mutex::new(VersionCache { versions: Vec::new(), limit_bytes: memory_limit_bytes }),
         }
     }
 
@@ -160,14 +131,15 @@ impl Registry {
 
     /// The version of that number, if it is in memory.
     pub fn by_number(&self, database: &str, version: i64) -> Option<Arc<LoadedVersion>> {
-        let is_it = |loaded: &&Arc<LoadedVersion>| loaded.version == version && loaded.database == database;
+        let is_wanted =
+            |loaded: &&Arc<LoadedVersion>| loaded.version == version && loaded.database == database;
         let snapshot = self.snapshot.load();
         let aliased = snapshot.databases.get(database).and_then(|aliases| {
-            aliases.values().filter_map(|served| served.version.as_ref()).find(is_it).cloned()
+            aliases.values().filter_map(|served| served.version.as_ref()).find(is_wanted).cloned()
         });
         aliased.or_else(|| {
             let mut cache = self.cache();
-            let at = cache.versions.iter().position(|loaded| is_it(&loaded))?;
+            let at = cache.versions.iter().position(|loaded| is_wanted(&loaded))?;
             let found = cache.versions.remove(at);
             cache.versions.push(Arc::clone(&found));
             Some(found)
@@ -178,7 +150,7 @@ impl Registry {
     /// stop the others.
     ///
     /// # Errors
-    /// The catalogue is away: then everything stays as it is.
+    /// The catalogue is unavailable: then everything stays as it is.
     pub async fn refresh(&self) -> Result<(), DatabaseError> {
         let _one_at_a_time = self.refreshing.lock().await;
         let mut targets = self.catalogue.all_aliases().await?;
@@ -186,9 +158,9 @@ impl Registry {
         targets.retain(held);
         let before = self.snapshot.load_full();
         let mut next = Snapshot::default();
-        let mut away = None;
+        let mut outage = None;
         for target in targets {
-            let served = self.serve(&target, &before, &mut away).await;
+            let served = self.serve(&target, &before, &mut outage).await;
             next.databases.entry(target.database).or_default().insert(target.alias, served);
         }
         self.snapshot.store(Arc::new(next));
@@ -213,21 +185,21 @@ impl Registry {
         Ok(())
     }
 
-    /// The turn to load this version by number.
-    fn turn(&self, database: &str, version: i64) -> Arc<LoadTurn> {
-        let mut loading = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
-        loading.retain(|_, turn| turn.strong_count() > 0);
-        let turn = loading.entry((database.to_owned(), version)).or_default();
-        turn.upgrade().unwrap_or_else(|| {
+    /// The lock under which this version is loaded by number.
+    fn load_lock(&self, database: &str, version: i64) -> Arc<LoadLock> {
+        let mut locks = self.load_locks.lock().unwrap_or_else(PoisonError::into_inner);
+        locks.retain(|_, lock| lock.strong_count() > 0);
+        let lock = locks.entry((database.to_owned(), version)).or_default();
+        lock.upgrade().unwrap_or_else(|| {
             let new = Arc::default();
-            *turn = Arc::downgrade(&new);
+            *lock = Arc::downgrade(&new);
             new
         })
     }
 
-    /// `away` has the reason why the blob store can't be asked, once that is known: each further version would wait for
-    /// an answer that doesn't come, and hold up those after it.
-    async fn serve(&self, target: &AliasTarget, before: &Snapshot, away: &mut Option<String>) -> Served {
+    /// What the alias serves from now on. `outage` is set once the blob store is found unavailable: each further version
+    /// would wait for an answer that doesn't come, and delay those after it.
+    async fn serve(&self, target: &AliasTarget, before: &Snapshot, outage: &mut Option<String>) -> Served {
         let old = before.databases.get(&target.database).and_then(|aliases| aliases.get(&target.alias));
         let in_memory = self.by_number(&target.database, target.version);
         // The digest is compared too: a database deleted and made anew counts its versions from 1 again.
@@ -240,7 +212,7 @@ impl Registry {
         {
             return old.cloned().unwrap_or_default();
         }
-        let loaded = match away {
+        let loaded = match outage {
             Some(reason) => Err(reason.clone()),
             None => self.load(&target.database, target.version, &target.digest, &target.blob).await.map_err(
                 |error| {
@@ -248,7 +220,7 @@ impl Registry {
                     let (database, alias, version) = (&target.database, &target.alias, target.version);
                     tracing::error!(database, alias, version, reason, "a version can't be loaded");
                     if matches!(error, DatabaseError::Blobs { source: BlobError::Unavailable { .. } }) {
-                        *away = Some(reason.clone());
+                        *outage = Some(reason.clone());
                     }
                     reason
                 },
@@ -271,7 +243,7 @@ impl Registry {
     /// Read, verify and index one version, whether or not it is in memory.
     ///
     /// # Errors
-    /// [`DatabaseError::Unloadable`], or a store that is away.
+    /// [`DatabaseError::Unloadable`], or the error of a store that is unavailable.
     pub(crate) async fn load(
         &self,
         database: &str,
@@ -281,14 +253,14 @@ impl Registry {
     ) -> Result<Arc<LoadedVersion>, DatabaseError> {
         let unloadable =
             |reason: String| DatabaseError::Unloadable { database: database.into(), version, reason };
-        let name = blob.parse().map_err(|error: BlobError| unloadable(chain(&error)))?;
+        let name = blob.parse().map_err(|error: InvalidBlobName| unloadable(chain(&error)))?;
         let bytes = match self.blobs.get(&name, u64::MAX).await {
             Err(error) if error.is_damage() => {
                 return Err(unloadable(format!("{}; {}", chain(&error), self.remedy(database).await)));
             }
             other => other?,
         };
-        let read = self.compute.run(Lane::Upkeep, 0, move || {
+        let read = self.compute.run(Lane::Maintenance, 0, move || {
             let artifact = artifact::read(&bytes)?;
             Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))
         });
@@ -300,7 +272,7 @@ impl Registry {
         Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, bytes }))
     }
 
-    /// What mends a version whose artifact is lost.
+    /// What to do about a version whose artifact is lost, for people.
     async fn remedy(&self, database: &str) -> String {
         let exemplars = self.catalogue.database_counts(database).await.map_or(0, |counts| counts.exemplars);
         match exemplars {
@@ -313,7 +285,7 @@ impl Registry {
     }
 
     /// Put a version into the cache of those asked for by number.
-    fn remember(&self, version: &Arc<LoadedVersion>) {
+    fn cache_version(&self, version: &Arc<LoadedVersion>) {
         let mut cache = self.cache();
         cache.versions.push(Arc::clone(version));
         let mut total: u64 = cache.versions.iter().map(|loaded| loaded.bytes).sum();
@@ -331,8 +303,8 @@ impl Registry {
         self.cache().versions.retain(|loaded| !gone(loaded));
     }
 
-    fn cache(&self) -> std::sync::MutexGuard<'_, ByNumber> {
-        self.by_number.lock().unwrap_or_else(PoisonError::into_inner)
+    fn cache(&self) -> std::sync::MutexGuard<'_, VersionCache> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// How each database with an alias is served, by name.
@@ -383,20 +355,20 @@ impl Databases {
         if let Some(loaded) = registry.by_number(database.as_str(), version) {
             return Ok(loaded);
         }
-        let turn = registry.turn(database.as_str(), version);
-        let _loaded_once = turn.lock().await;
+        let lock = registry.load_lock(database.as_str(), version);
+        let _locked = lock.lock().await;
         if let Some(loaded) = registry.by_number(database.as_str(), version) {
             return Ok(loaded);
         }
         self.get(database).await?;
         let row = self.version(database, version).await?;
-        // One that hangs takes its own room and holds up no other; one larger than all of it is loaded alone.
-        let room_mib = mib(row.bytes).min(registry.loading_room_mib);
-        let _room = registry.loading_room.acquire_many(room_mib).await;
+        // A load that hangs delays no other as long as the budget lasts; a version larger than the budget is loaded alone.
+        let budget_mib = mib(row.bytes).min(registry.loading_budget_mib);
+        let _permits = registry.loading_budget.acquire_many(budget_mib).await;
         let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await?;
         // Deleted while it was loading, it must not come back.
         if self.version(database, version).await?.digest == row.digest {
-            registry.remember(&loaded);
+            registry.cache_version(&loaded);
         }
         Ok(loaded)
     }

@@ -1,4 +1,4 @@
-//! A look at everything that is kept: whether every exemplar's picture and every version is there and whole.
+//! Verification of everything that is kept: whether every exemplar's picture and every version is there and whole.
 
 use super::{DatabaseError, ExemplarFilter, artifact};
 use crate::store::{BlobError, Blobs, Catalogue};
@@ -7,29 +7,31 @@ use crate::telemetry::chain;
 /// Rows read at once.
 const PAGE: u32 = 1000;
 
-/// What was looked at, and what is wrong with it.
+/// What was read, and what is wrong with it.
 #[derive(Debug, Default)]
 pub struct Verification {
+    /// Exemplars whose pictures were read.
     pub exemplars: u64,
+    /// Versions whose artifacts were read.
     pub versions: u64,
     /// One line each: the exemplar or version, and what is wrong with it.
     pub faults: Vec<String>,
 }
 
-/// Read every exemplar's picture and every version's artifact, and hold each against its name and digest.
+/// Read every exemplar's picture and every version's artifact, and compare each with its name and digest.
 ///
 /// # Errors
-/// A store that is away; what is damaged is a fault in the answer.
-pub async fn verify(catalogue: &dyn Catalogue, blobs: &Blobs) -> Result<Verification, DatabaseError> {
-    let mut seen = Verification::default();
+/// The error of a store that is unavailable; what is damaged is a fault in the answer.
+pub async fn verify(catalogue: &Catalogue, blobs: &Blobs) -> Result<Verification, DatabaseError> {
+    let mut verification = Verification::default();
     let mut after: Option<String> = None;
     loop {
         let databases = catalogue.databases(after.as_deref(), PAGE).await?;
-        let Some(last) = databases.last() else { return Ok(seen) };
+        let Some(last) = databases.last() else { return Ok(verification) };
         after = Some(last.name.clone());
         for database in &databases {
-            seen.exemplars(&database.name, catalogue, blobs).await?;
-            seen.versions(&database.name, catalogue, blobs).await?;
+            verification.exemplars(&database.name, catalogue, blobs).await?;
+            verification.versions(&database.name, catalogue, blobs).await?;
         }
     }
 }
@@ -38,7 +40,7 @@ impl Verification {
     async fn exemplars(
         &mut self,
         database: &str,
-        catalogue: &dyn Catalogue,
+        catalogue: &Catalogue,
         blobs: &Blobs,
     ) -> Result<(), DatabaseError> {
         let mut after = None;
@@ -57,7 +59,7 @@ impl Verification {
     async fn versions(
         &mut self,
         database: &str,
-        catalogue: &dyn Catalogue,
+        catalogue: &Catalogue,
         blobs: &Blobs,
     ) -> Result<(), DatabaseError> {
         let mut after = None;
@@ -82,6 +84,7 @@ impl Verification {
         }
     }
 
+    /// Adds a fault if the blob is damaged or gone.
     fn note(&mut self, read: Result<(), BlobError>, what: impl Fn() -> String) -> Result<(), DatabaseError> {
         match read {
             Err(error) if error.is_damage() => self.faults.push(format!("{}: {}", what(), chain(&error))),

@@ -1,25 +1,12 @@
 //! Versions: what a training made of a database's exemplars. A version never changes.
 
 use bytes::Bytes;
-use serde::{Deserialize, Serialize};
 
 use super::artifact::{self, Artifact};
-use super::{DatabaseError, Databases, ExemplarRow, Kind, Name, VersionRow};
+use super::{ALGORITHM_REVISION, DatabaseError, Databases, ExemplarRow, Kind, Name, VersionRow};
 use crate::compute::{Compute, Lane};
 use crate::store::{Actor, BlobName, CatalogueError, NewVersion};
 use crate::telemetry::chain;
-
-/// Grows with every change that makes training give other results for the same inputs.
-pub const ALGORITHM_REVISION: i64 = 2;
-
-/// How much a version was trained from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Counts {
-    pub exemplars: u64,
-    pub labels: u64,
-    pub interest_points: u64,
-}
 
 /// The digest of a training's inputs, hex: the same exemplars, options and algorithm give the same digest, in
 /// whatever order the exemplars came.
@@ -43,6 +30,9 @@ pub fn inputs_digest(kind: Kind, options_document: &str, exemplars: &[ExemplarRo
 
 impl Databases {
     /// Versions by number, after `after`.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
     pub async fn versions(
         &self,
         database: &Name,
@@ -61,7 +51,7 @@ impl Databases {
         row.ok_or_else(|| DatabaseError::UnknownVersion { database: database.to_string(), version })
     }
 
-    /// Delete a version that no alias points to.
+    /// Deletes a version that no alias points to.
     ///
     /// # Errors
     /// [`DatabaseError::UnknownVersion`] or [`DatabaseError::VersionInUse`].
@@ -100,7 +90,7 @@ impl Databases {
         })
     }
 
-    /// Take in an artifact file: checked whole, then a new version; `true` when it is new. No alias moves.
+    /// Imports an artifact file, checked whole, as a new version; `true` when it is new. No alias moves.
     ///
     /// # Errors
     /// [`DatabaseError::InvalidArtifact`], [`DatabaseError::KindConflict`], [`DatabaseError::UnknownDatabase`].
@@ -113,7 +103,7 @@ impl Databases {
     ) -> Result<(VersionRow, bool), DatabaseError> {
         let row = self.get(database).await?;
         let held = bytes.clone();
-        let (read, _) = compute.run(Lane::Upkeep, 0, move || artifact::read(&held)).await?;
+        let (read, _) = compute.run(Lane::Maintenance, 0, move || artifact::read(&held)).await?;
         let artifact = read.map_err(|source| DatabaseError::InvalidArtifact { source })?;
         if row.kind != artifact.kind().as_str() {
             return Err(DatabaseError::KindConflict { database: database.to_string(), kind: row.kind });
@@ -122,7 +112,7 @@ impl Databases {
         Ok(self.catalogue.insert_version(&new, by).await?)
     }
 
-    /// Store an artifact's bytes and describe the version row that will name them.
+    /// Stores an artifact's bytes; returns the version row that will name them.
     pub(crate) async fn keep_artifact(
         &self,
         database: &str,

@@ -4,17 +4,19 @@ use std::time::Duration;
 
 use reqwest::multipart::{Form, Part};
 use reqwest::{Method, RequestBuilder, Response, Url};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
 use super::DemoError;
-use super::lessons::Exemplar;
+use super::data_sets::Exemplar;
 
 /// The longest that one call may take: a request's own limit at the service.
-const PATIENCE: Duration = Duration::from_secs(60);
-/// The longest that a training may take: pictures by the thousand train within minutes.
-const TRAINING_PATIENCE: Duration = Duration::from_secs(900);
-const POLL_EVERY: Duration = Duration::from_millis(100);
+const CALL_TIMEOUT: Duration = Duration::from_secs(60);
+/// The longest that a training may take: thousands of pictures train within minutes.
+const TRAINING_TIMEOUT: Duration = Duration::from_secs(900);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A running service.
 pub struct Server {
@@ -22,49 +24,77 @@ pub struct Server {
     http: reqwest::Client,
 }
 
-/// What a frame was taken for.
-pub struct Answer {
-    /// `None`: for nothing that is known, or not for sure enough.
-    pub label: Option<String>,
-    /// The chance that it is right, if the service says so.
-    pub confidence: Option<f64>,
-    /// What the service says the recognition took.
-    pub recognise_ms: f64,
-}
-
-/// What a picture was taken for, as a whole.
-pub struct ObjectAnswer {
-    /// `None`: for nothing that is known.
-    pub label: Option<String>,
-    /// `None`: without an answer.
+/// What a frame, or a part on a table, was recognised as.
+#[derive(Default, Deserialize)]
+pub struct Recognition {
+    /// `None`: unknown, or not sure enough.
+    pub decision: Option<Decision>,
+    /// `None`: landmarks, unknown, or without a pose.
     pub pose: Option<AnsweredPose>,
+    #[serde(default)]
+    pub timings_ms: Timings,
 }
 
-/// How the service says that an object is turned.
-#[derive(Clone, Copy)]
+/// The label that was decided for.
+#[derive(Deserialize)]
+pub struct Decision {
+    pub label: String,
+    /// The chance that it is right, if the version is calibrated.
+    pub confidence: Option<f64>,
+}
+
+/// How an object is turned, by the answer.
+#[derive(Clone, Copy, Deserialize)]
 pub struct AnsweredPose {
     pub turn_deg: f64,
     pub sigma_deg: f64,
     pub reliable: bool,
 }
 
-/// What stands on a table.
-pub struct Inspected {
-    pub parts: Vec<InspectedPart>,
-    /// What the service says that looking took.
-    pub inspect_ms: f64,
+/// Milliseconds that the service measured.
+#[derive(Default, Deserialize)]
+pub struct Timings {
+    /// Of a recognition, without decoding.
+    #[serde(default)]
+    pub recognise: f64,
+    /// Of a depth map or an inspection.
+    #[serde(default)]
+    pub total: f64,
+}
+
+impl Recognition {
+    /// The label decided for; `None`: unknown.
+    pub fn label(&self) -> Option<&str> {
+        self.decision.as_ref().map(|decision| decision.label.as_str())
+    }
+}
+
+/// What an inspection found on a table.
+#[derive(Deserialize)]
+pub struct Inspection {
+    pub objects: Vec<InspectedPart>,
+    pub timings_ms: Timings,
 }
 
 /// A part on the table.
+#[derive(Deserialize)]
 pub struct InspectedPart {
-    /// The middle of its region, x and y.
-    pub centroid_px: [f64; 2],
+    pub region: Region,
     /// Where the robot finds it, X and Y.
     pub robot_mm: Option<[f64; 2]>,
-    pub answer: ObjectAnswer,
+    #[serde(flatten)]
+    pub recognition: Recognition,
+}
+
+/// The region of a part.
+#[derive(Deserialize)]
+pub struct Region {
+    /// x and y.
+    pub centroid_px: [f64; 2],
 }
 
 /// How far the gripper is off a part.
+#[derive(Deserialize)]
 pub struct Centring {
     /// How it must move, X and Y.
     pub move_mm: [f64; 2],
@@ -72,28 +102,21 @@ pub struct Centring {
     pub centred: bool,
 }
 
-/// What a depth map is like in short.
+/// The summary of a depth map.
+#[derive(Deserialize)]
 pub struct DepthSummary {
     /// Part of the pixels that have a depth.
     pub coverage: f64,
-    /// What the service says that measuring took.
-    pub measure_ms: f64,
+    pub timings_ms: Timings,
 }
 
-impl ObjectAnswer {
-    fn of(answer: &Value) -> ObjectAnswer {
-        let pose = answer["pose"]["turn_deg"].as_f64().map(|turn_deg| AnsweredPose {
-            turn_deg,
-            sigma_deg: answer["pose"]["sigma_deg"].as_f64().unwrap_or_default(),
-            reliable: answer["pose"]["reliable"].as_bool().unwrap_or_default(),
-        });
-        ObjectAnswer { label: answer["decision"]["label"].as_str().map(str::to_owned), pose }
-    }
-}
-
-/// A pair of numbers; `None` for anything else.
-fn pair(value: &Value) -> Option<[f64; 2]> {
-    Some([value[0].as_f64()?, value[1].as_f64()?])
+/// A job as far as the demo follows it.
+#[derive(Deserialize)]
+struct Job {
+    id: String,
+    state: String,
+    version: Option<u64>,
+    problem: Option<Value>,
 }
 
 impl Server {
@@ -104,10 +127,10 @@ impl Server {
         if url.cannot_be_a_base() {
             return Err(address());
         }
-        // One provider for the whole process; somebody else may have installed it.
+        // One provider for the whole process; another part of it may have installed it.
         rustls::crypto::ring::default_provider().install_default().ok();
         let http = reqwest::Client::builder()
-            .timeout(PATIENCE)
+            .timeout(CALL_TIMEOUT)
             .no_proxy()
             .tls_certs_only([])
             .build()
@@ -115,21 +138,21 @@ impl Server {
         Ok(Server { base_url: url, http })
     }
 
-    /// Delete what has that path, if it is there.
-    pub async fn forget(&self, path: &[&str]) -> Result<(), DemoError> {
+    /// Deletes what has that path, if it is there.
+    pub async fn delete(&self, path: &[&str]) -> Result<(), DemoError> {
         match self.send(self.call(Method::DELETE, path, &[])).await {
             Err(DemoError::Refused { status: 404, .. }) => Ok(()),
             answer => answer.map(drop),
         }
     }
 
-    /// Create what is to have that path.
+    /// Creates what is to have that path.
     pub async fn create(&self, path: &[&str], document: &Value) -> Result<(), DemoError> {
         self.send(self.call(Method::PUT, path, &[]).json(document)).await.map(drop)
     }
 
-    /// Send one training image.
-    pub async fn learn(&self, database: &str, exemplar: &Exemplar) -> Result<(), DemoError> {
+    /// Adds a training picture to a database.
+    pub async fn add_exemplar(&self, database: &str, exemplar: &Exemplar) -> Result<(), DemoError> {
         let pose_deg = exemplar.pose_deg.map(|pose_deg| pose_deg.to_string());
         let mut query = vec![("label", exemplar.label.as_str())];
         query.extend(pose_deg.as_deref().map(|pose_deg| ("pose_deg", pose_deg)));
@@ -137,50 +160,35 @@ impl Server {
         self.send(with_png(call, &exemplar.png)).await.map(drop)
     }
 
-    /// Train as `wanted` says and wait for the end; returns the version.
-    pub async fn train(&self, database: &str, wanted: &Value) -> Result<u64, DemoError> {
+    /// Trains with a request's document and waits for the end; returns the version.
+    pub async fn train(&self, database: &str, document: &Value) -> Result<u64, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "trainings"], &[]);
-        let mut job = self.json(call.json(wanted)).await?;
-        let id = job["id"].as_str().unwrap_or_default().to_owned();
+        let mut job: Job = self.json(call.json(document)).await?;
         let started = Instant::now();
         loop {
-            match job["state"].as_str() {
-                Some("succeeded") => return Ok(job["version"].as_u64().unwrap_or_default()),
-                Some("failed" | "cancelled") => {
-                    let problem = job["problem"]["detail"].as_str().unwrap_or("it was cancelled");
-                    return Err(DemoError::Training { detail: problem.to_owned() });
+            match job.state.as_str() {
+                "succeeded" => return Ok(job.version.unwrap_or_default()),
+                "failed" | "cancelled" => {
+                    let problem = job.problem.unwrap_or_default();
+                    let detail = problem["detail"].as_str().unwrap_or("it was cancelled").to_owned();
+                    return Err(DemoError::Training { detail });
                 }
-                _ if started.elapsed() > TRAINING_PATIENCE => {
-                    return Err(DemoError::Endless { job: id, waited_s: TRAINING_PATIENCE.as_secs() });
+                _ if started.elapsed() > TRAINING_TIMEOUT => {
+                    return Err(DemoError::Endless { job: job.id, waited_s: TRAINING_TIMEOUT.as_secs() });
                 }
-                _ => sleep(POLL_EVERY).await,
+                _ => sleep(POLL_INTERVAL).await,
             }
-            job = self.json(self.call(Method::GET, &["jobs", &id], &[])).await?;
+            job = self.json(self.call(Method::GET, &["jobs", &job.id], &[])).await?;
         }
     }
 
-    /// What a version of landmarks takes a frame for.
-    pub async fn ask(&self, database: &str, version: u64, png: &[u8]) -> Result<Answer, DemoError> {
-        let answer = self.recognise(database, version, png).await?;
-        let decision = &answer["decision"];
-        Ok(Answer {
-            label: decision["label"].as_str().map(str::to_owned),
-            confidence: decision["confidence"].as_f64(),
-            recognise_ms: answer["timings_ms"]["recognise"].as_f64().unwrap_or_default(),
-        })
-    }
-
-    /// What a version of objects takes a picture for.
-    pub async fn ask_object(
+    /// What a version recognises in a frame.
+    pub async fn recognise(
         &self,
         database: &str,
         version: u64,
         png: &[u8],
-    ) -> Result<ObjectAnswer, DemoError> {
-        Ok(ObjectAnswer::of(&self.recognise(database, version, png).await?))
-    }
-
-    async fn recognise(&self, database: &str, version: u64, png: &[u8]) -> Result<Value, DemoError> {
+    ) -> Result<Recognition, DemoError> {
         let version = version.to_string();
         let path = ["databases", database, "recognitions"];
         let call = self.call(Method::POST, &path, &[("version", &version), ("top", "1")]);
@@ -193,22 +201,12 @@ impl Server {
         self.bytes(with_png(call, png).header("Accept", "image/png")).await
     }
 
-    /// What stands on a table, by a version of the workcell's database.
-    pub async fn inspect(&self, workcell: &str, version: u64, png: &[u8]) -> Result<Inspected, DemoError> {
-        let version = version.to_string();
-        let answer = self.json(self.inspection(workcell, &[("version", &version)], png)).await?;
-        let part = |object: &Value| InspectedPart {
-            centroid_px: pair(&object["region"]["centroid_px"]).unwrap_or_default(),
-            robot_mm: pair(&object["robot_mm"]),
-            answer: ObjectAnswer::of(object),
-        };
-        Ok(Inspected {
-            parts: answer["objects"].as_array().into_iter().flatten().map(part).collect(),
-            inspect_ms: answer["timings_ms"]["total"].as_f64().unwrap_or_default(),
-        })
+    /// What lies on a table, by a version of the workcell's database.
+    pub async fn inspect(&self, workcell: &str, version: u64, png: &[u8]) -> Result<Inspection, DemoError> {
+        self.json(self.inspection(workcell, &[("version", &version.to_string())], png)).await
     }
 
-    /// The table with what is said of every part drawn on it, a PNG.
+    /// The table with the answer about every part drawn on it, a PNG.
     pub async fn inspection_annotated(&self, workcell: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
         self.bytes(self.inspection(workcell, &[], png).header("Accept", "image/png")).await
     }
@@ -227,20 +225,12 @@ impl Server {
     /// How far off a part the camera at the gripper is.
     pub async fn centre(&self, workcell: &str, png: &[u8]) -> Result<Centring, DemoError> {
         let call = self.call(Method::POST, &["workcells", workcell, "centrings"], &[]);
-        let answer = self.json(with_png(call, png)).await?;
-        Ok(Centring {
-            move_mm: pair(&answer["move_mm"]).unwrap_or_default(),
-            centred: answer["centred"].as_bool().unwrap_or_default(),
-        })
+        self.json(with_png(call, png)).await
     }
 
-    /// What the depth map of a near- and a far-focused picture is like.
+    /// The summary of the depth map of a near- and a far-focused picture.
     pub async fn depth_summary(&self, pair: &[Vec<u8>; 2], optics: &str) -> Result<DepthSummary, DemoError> {
-        let summary = self.json(self.depth_call(pair, optics)).await?;
-        Ok(DepthSummary {
-            coverage: summary["coverage"].as_f64().unwrap_or_default(),
-            measure_ms: summary["timings_ms"]["total"].as_f64().unwrap_or_default(),
-        })
+        self.json(self.depth_call(pair, optics)).await
     }
 
     /// The depth map as a file of a media type.
@@ -278,13 +268,13 @@ impl Server {
         Ok(bytes.to_vec())
     }
 
-    async fn json(&self, call: RequestBuilder) -> Result<Value, DemoError> {
+    async fn json<T: DeserializeOwned>(&self, call: RequestBuilder) -> Result<T, DemoError> {
         let answer = self.send(call).await?;
         let call = answer.url().to_string();
         answer.json().await.map_err(|source| DemoError::NoAnswer { call, source })
     }
 
-    /// Send; an answer that isn't a success becomes an error with the problem's own words.
+    /// Sends; an answer that isn't a success becomes an error with the problem's detail.
     async fn send(&self, call: RequestBuilder) -> Result<Response, DemoError> {
         let answer = call.send().await.map_err(|source| DemoError::NoAnswer {
             call: source.url().map_or_else(String::new, Url::to_string),

@@ -39,9 +39,7 @@ pub enum Outline {
     Ellipse { half_width: f32, half_height: f32 },
     /// A ring between two radii.
     Ring { outer: f32, inner: f32 },
-    /// A triangle standing on its base, as wide and high as the rectangle of these half sides.
-    Triangle { half_width: f32, half_height: f32 },
-    /// A trapezium: half sides at the top and at the bottom.
+    /// A trapezium: half widths at the top (0: a triangle) and at the bottom.
     Trapezium { half_top: f32, half_bottom: f32, half_height: f32 },
     /// Everything on the side x > 0.
     HalfPlane,
@@ -57,9 +55,6 @@ impl Outline {
                 (x / half_width).powi(2) + (y / half_height).powi(2) <= 1.0
             }
             Outline::Ring { outer, inner } => (inner * inner..=outer * outer).contains(&(x * x + y * y)),
-            Outline::Triangle { half_width, half_height } => {
-                Outline::Trapezium { half_top: 0.0, half_bottom: half_width, half_height }.holds(x, y)
-            }
             Outline::Trapezium { half_top, half_bottom, half_height } => {
                 let down = (y + half_height) / (2.0 * half_height);
                 (0.0..=1.0).contains(&down) && x.abs() <= half_top + (half_bottom - half_top) * down
@@ -141,7 +136,15 @@ struct Shape {
     paint: Paint,
 }
 
-/// A stack of painted shapes; what is laid later covers what is below.
+impl From<Colour> for Paint {
+    fn from(colour: Colour) -> Paint {
+        Paint::Plain(colour)
+    }
+}
+
+/// A stack of painted shapes; a later one covers what is below.
+///
+/// Angles turn clockwise about a shape's own centre; sizes about a centre are halves.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     shapes: Vec<Shape>,
@@ -149,30 +152,83 @@ pub struct Scene {
 
 impl Scene {
     /// A scene that is painted everywhere.
-    pub fn on(paint: Paint) -> Scene {
-        Scene::default().shape((0.0, 0.0), 0.0, Outline::Everything, paint)
+    pub fn on(paint: impl Into<Paint>) -> Scene {
+        let mut scene = Scene::default();
+        scene.shape((0.0, 0.0), 0.0, Outline::Everything, paint);
+        scene
     }
 
-    /// Lay a shape on top, its centre at a point, turned clockwise.
-    #[must_use]
-    pub fn shape(mut self, (x, y): (f32, f32), turn_deg: f32, outline: Outline, paint: Paint) -> Scene {
+    /// A scene that is painted where x > 0.
+    pub fn half_plane(paint: impl Into<Paint>) -> Scene {
+        let mut scene = Scene::default();
+        scene.shape((0.0, 0.0), 0.0, Outline::HalfPlane, paint);
+        scene
+    }
+
+    /// Adds a shape on top, its centre at a point.
+    pub fn shape(&mut self, (x, y): (f32, f32), turn_deg: f32, outline: Outline, paint: impl Into<Paint>) {
         let (sin, cos) = turn_deg.to_radians().sin_cos();
-        self.shapes.push(Shape { x, y, sin, cos, outline, paint });
-        self
+        self.shapes.push(Shape { x, y, sin, cos, outline, paint: paint.into() });
     }
 
-    /// Lay a rectangle on top by its left, top, width and height.
-    #[must_use]
-    pub fn rectangle(self, left: f32, top: f32, width: f32, height: f32, paint: Paint) -> Scene {
-        let (half_width, half_height) = (width / 2.0, height / 2.0);
-        let outline = Outline::Rectangle { half_width, half_height };
-        self.shape((left + half_width, top + half_height), 0.0, outline, paint)
+    /// Adds an upright rectangle by its left, top, width and height.
+    pub fn rectangle(&mut self, left: f32, top: f32, width: f32, height: f32, paint: impl Into<Paint>) {
+        let half = [width / 2.0, height / 2.0];
+        self.turned_rectangle((left + half[0], top + half[1]), 0.0, half, paint);
     }
 
-    /// Lay a disc on top.
-    #[must_use]
-    pub fn disc(self, x: f32, y: f32, radius: f32, paint: Paint) -> Scene {
-        self.shape((x, y), 0.0, Outline::Ellipse { half_width: radius, half_height: radius }, paint)
+    /// Adds a rectangle by its centre, its angle, half width and half height.
+    pub fn turned_rectangle(
+        &mut self,
+        centre: (f32, f32),
+        turn_deg: f32,
+        [half_width, half_height]: [f32; 2],
+        paint: impl Into<Paint>,
+    ) {
+        self.shape(centre, turn_deg, Outline::Rectangle { half_width, half_height }, paint);
+    }
+
+    /// Adds an ellipse by its centre, its angle and its half axes.
+    pub fn ellipse(
+        &mut self,
+        centre: (f32, f32),
+        turn_deg: f32,
+        [half_width, half_height]: [f32; 2],
+        paint: impl Into<Paint>,
+    ) {
+        self.shape(centre, turn_deg, Outline::Ellipse { half_width, half_height }, paint);
+    }
+
+    /// Adds a disc.
+    pub fn disc(&mut self, x: f32, y: f32, radius: f32, paint: impl Into<Paint>) {
+        self.ellipse((x, y), 0.0, [radius, radius], paint);
+    }
+
+    /// Adds a ring by its centre and its two radii.
+    pub fn ring(&mut self, centre: (f32, f32), outer: f32, inner: f32, paint: impl Into<Paint>) {
+        self.shape(centre, 0.0, Outline::Ring { outer, inner }, paint);
+    }
+
+    /// Adds a triangle that stands on its base, by half its base and half its height.
+    pub fn triangle(
+        &mut self,
+        centre: (f32, f32),
+        turn_deg: f32,
+        [half_width, half_height]: [f32; 2],
+        paint: impl Into<Paint>,
+    ) {
+        self.trapezium(centre, turn_deg, [0.0, half_width, half_height], paint);
+    }
+
+    /// Adds a trapezium by its half widths at the top and at the bottom, and half its height.
+    pub fn trapezium(
+        &mut self,
+        centre: (f32, f32),
+        turn_deg: f32,
+        [half_top, half_bottom, half_height]: [f32; 3],
+        paint: impl Into<Paint>,
+    ) {
+        self.shape(centre, turn_deg, Outline::Trapezium { half_top, half_bottom, half_height }, paint);
     }
 
     /// The colour at a point; `None` where nothing is painted.
@@ -219,12 +275,12 @@ pub struct Picture<'a> {
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
-/// Largest noise of the camera, grey levels.
+/// Largest noise of the camera, gray levels.
 const NOISE: f32 = 4.0;
 
 /// What a camera makes of a scene: interleaved bytes r, g, b, row-major; each pixel is the mean of 2 × 2 points in it,
-/// with noise up to that many grey levels. `at` gives the colour at a point from the picture's centre.
-pub fn exposed(
+/// with noise up to that many gray levels. `at` gives the colour at a point from the picture's centre.
+pub fn sampled(
     (width_px, height_px): (usize, usize),
     noise: f32,
     seed: u32,
@@ -250,9 +306,9 @@ pub fn exposed(
 }
 
 impl Picture<'_> {
-    /// Draw it: bytes as of [`exposed`].
+    /// Draw it: bytes as of [`sampled`].
     pub fn draw(&self) -> Vec<u8> {
-        exposed((self.width_px, self.height_px), NOISE, self.seed, |dx, dy| self.at(dx, dy))
+        sampled((self.width_px, self.height_px), NOISE, self.seed, |dx, dy| self.at(dx, dy))
     }
 
     /// The colour at (`dx`, `dy`) from the picture's centre; black where no layer is painted.
@@ -272,9 +328,10 @@ mod tests {
     const WHITE: Colour = [255.0; 3];
 
     #[test]
-    fn what_is_laid_later_covers_what_is_below() {
-        let scene = Scene::on(Paint::Plain([0.0; 3])).rectangle(0.0, 0.0, 4.0, 4.0, Paint::Plain([9.0; 3]));
-        let scene = scene.disc(2.0, 2.0, 1.0, Paint::Plain(WHITE));
+    fn a_later_shape_covers_what_is_below() {
+        let mut scene = Scene::on([0.0; 3]);
+        scene.rectangle(0.0, 0.0, 4.0, 4.0, [9.0; 3]);
+        scene.disc(2.0, 2.0, 1.0, WHITE);
         assert_eq!(
             [scene.at(2.0, 2.0), scene.at(0.5, 0.5), scene.at(9.0, 9.0)],
             [Some(WHITE), Some([9.0; 3]), Some([0.0; 3])]
@@ -284,18 +341,20 @@ mod tests {
 
     #[test]
     fn a_positive_turn_brings_x_to_y() {
-        let spot = Scene::default().disc(10.0, 0.0, 2.0, Paint::Plain(WHITE));
+        let mut spot = Scene::default();
+        spot.disc(10.0, 0.0, 2.0, WHITE);
         let view = View { turn_deg: 90.0, ..View::of(0.0, 0.0) };
         let picture = Picture { width_px: 32, height_px: 32, layers: vec![(&spot, view)], seed: 0 };
         assert_eq!((picture.at(0.0, 10.0), picture.at(10.0, 0.0)), (WHITE, [0.0; 3]));
-        let turned_shape = Scene::default().shape((0.0, 0.0), 90.0, Outline::HalfPlane, Paint::Plain(WHITE));
+        let mut turned_shape = Scene::default();
+        turned_shape.shape((0.0, 0.0), 90.0, Outline::HalfPlane, WHITE);
         assert_eq!((turned_shape.at(0.0, 1.0), turned_shape.at(1.0, -0.1)), (Some(WHITE), None));
     }
 
     #[test]
     fn an_edge_through_a_pixel_gives_its_mean() {
-        let half =
-            Scene::on(Paint::Plain([0.0; 3])).rectangle(0.5, -9.0, 9.0, 18.0, Paint::Plain([200.0; 3]));
+        let mut half = Scene::on([0.0; 3]);
+        half.rectangle(0.5, -9.0, 9.0, 18.0, [200.0; 3]);
         let picture =
             Picture { width_px: 4, height_px: 1, layers: vec![(&half, View::of(0.0, 0.0))], seed: 3 };
         let bytes = picture.draw();

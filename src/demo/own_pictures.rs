@@ -1,38 +1,41 @@
-//! A user's own pictures: learned as they are, asked about turned by three angles and with a third covered.
+//! A data set of a user's own pictures: trained on as they are, queried turned by three angles and with a third covered.
 
 use std::fs;
 use std::path::Path;
 
 use super::DemoError;
+use super::data_sets::DataSet;
 use super::drawing::hash;
-use super::lessons::{Exemplar, Lesson, Question};
 use crate::database::Name;
 use crate::evaluate::labelled_files;
 use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 
-/// Longer pictures are shrunk by a whole factor, for learning and asking alike: a turned view is sent as PNG, and
-/// four of each are made.
+/// Longer pictures are shrunk by a whole factor, exemplars and queries alike: a turned view is sent as PNG, and four of
+/// each are made.
 const LONGEST_SIDE_PX: usize = 1024;
 /// How often each picture is turned.
 const TURNS: u32 = 3;
 
-/// The lesson of a folder `<label>/*`, and what of it was left out with the reason.
-pub fn own_lesson(folder: &Path) -> Result<(Lesson, Vec<String>), DemoError> {
+/// The data set of a folder `<label>/*`, and which files were left out, with the reasons.
+///
+/// # Errors
+/// [`DemoError`] for a folder without pictures.
+pub fn own_data_set(folder: &Path) -> Result<(DataSet, Vec<String>), DemoError> {
     let files = labelled_files(folder).map_err(|source| DemoError::Pictures { source })?;
-    let mut lesson = Lesson { database: "demo-own-pictures", exemplars: Vec::new(), questions: Vec::new() };
+    let mut set = DataSet::new("demo-own-pictures");
     let mut left_out = Vec::new();
     for (n, file) in files.into_iter().enumerate() {
         let label = file.label.unwrap_or_default();
         match name_and_frame(&label, &file.path) {
             Err(reason) => left_out.push(format!("{}: {reason}", file.path.display())),
-            Ok(frame) => add(&mut lesson, n as i32, &label, &frame),
+            Ok(frame) => add(&mut set, n as i32, &label, &frame),
         }
     }
-    if lesson.exemplars.is_empty() {
+    if set.exemplars.is_empty() {
         return Err(DemoError::NothingLearned { path: folder.to_path_buf() });
     }
-    Ok((lesson, left_out))
+    Ok((set, left_out))
 }
 
 /// The frame of a file whose folder can be a label.
@@ -43,22 +46,19 @@ fn name_and_frame(label: &str, path: &Path) -> Result<Frame, String> {
     Ok(shrunk(frame))
 }
 
-fn add(lesson: &mut Lesson, n: i32, label: &str, frame: &Frame) {
-    lesson.exemplars.push(Exemplar { label: label.into(), pose_deg: None, png: png(frame) });
-    let mut ask = |view: &str, frame: &Frame| {
-        lesson.questions.push(Question { view: view.into(), shown: Some(label.into()), png: png(frame) });
-    };
+fn add(set: &mut DataSet, n: i32, label: &str, frame: &Frame) {
+    set.add_exemplar(label, png(frame));
     for turn in 0..TURNS {
-        ask("turned", &frame.turned(360.0 * f64::from(hash(900 + turn, n, 0))));
+        set.add_query("turned", label, png(&frame.turned(360.0 * f64::from(hash(900 + turn, n, 0)))));
     }
-    ask("a third covered", &covered(frame, (4.0 * hash(950, n, 0)) as usize));
+    set.add_query("a third covered", label, png(&covered(frame, (4.0 * hash(950, n, 0)) as usize)));
 }
 
 fn png(frame: &Frame) -> Vec<u8> {
-    let (width, height, rgb) = (frame.width(), frame.height(), frame.to_rgb8());
+    let (width, height) = (frame.width(), frame.height());
     match frame.is_colour() {
-        true => png_rgb8(width, height, &rgb),
-        false => png_gray8(width, height, &rgb.into_iter().step_by(3).collect::<Vec<u8>>()),
+        true => png_rgb8(width, height, &frame.to_rgb8()),
+        false => png_gray8(width, height, &frame.luminance.to_gray8()),
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_own_picture_makes_three_turned_questions_and_a_covered_one() {
+    fn every_own_picture_makes_three_turned_queries_and_a_covered_one() {
         let folder = tempfile::tempdir().unwrap();
         let write = |file: &str, bytes: &[u8]| {
             let path = folder.path().join(file);
@@ -120,15 +120,15 @@ mod tests {
         write("lab/b.png", &png_rgb8(6, 6, &[90; 108]));
         write("lab/broken.png", b"no picture");
         write("no label/c.png", &png_gray8(1, 1, &[0]));
-        let (lesson, left_out) = own_lesson(folder.path()).unwrap();
-        let labels: Vec<&str> = lesson.exemplars.iter().map(|e| e.label.as_str()).collect();
-        assert_eq!((labels, lesson.questions.len(), left_out.len()), (vec!["hall", "lab"], 8, 2));
-        let covered = decode(&lesson.questions[3].png, &DecodeLimits::default()).unwrap();
+        let (set, left_out) = own_data_set(folder.path()).unwrap();
+        let labels: Vec<&str> = set.exemplars.iter().map(|e| e.label.as_str()).collect();
+        assert_eq!((labels, set.queries.len(), left_out.len()), (vec!["hall", "lab"], 8, 2));
+        let covered = decode(&set.queries[3].png, &DecodeLimits::default()).unwrap();
         let black = covered.luminance.pixels().iter().filter(|v| **v == 0.0).count();
         assert_eq!((black, covered.is_colour()), (120, false));
         fs::remove_dir_all(folder.path().join("hall")).unwrap();
         fs::remove_file(folder.path().join("lab/b.png")).unwrap();
-        assert!(matches!(own_lesson(folder.path()), Err(DemoError::NothingLearned { .. })));
+        assert!(matches!(own_data_set(folder.path()), Err(DemoError::NothingLearned { .. })));
     }
 
     #[test]

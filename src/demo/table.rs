@@ -3,7 +3,7 @@
 //! The table has axes of its own, in millimetres: x right and y down as the overview camera sees it, the origin in the
 //! middle. Things stand upright; one unit of theirs is a millimetre, and they turn counter-clockwise in the picture.
 
-use super::drawing::{Paint, View, exposed};
+use super::drawing::{Paint, View, sampled};
 use super::turntable::{NOISE, Thing};
 
 /// How far things reach from where they stand, at most.
@@ -15,7 +15,7 @@ const CLOTH: Paint = Paint::Clouds { colours: [[7.0, 8.0, 9.0], [15.0, 15.0, 16.
 
 /// A thing on the table.
 #[derive(Clone, Debug)]
-pub struct Standing {
+pub struct PlacedThing {
     pub thing: Thing,
     /// Where its axis is.
     pub x_mm: f32,
@@ -23,7 +23,7 @@ pub struct Standing {
     pub turn_deg: f32,
 }
 
-impl Standing {
+impl PlacedThing {
     /// The middle of all that is seen of it from above, x and y.
     pub fn middle_mm(&self) -> [f64; 2] {
         const STEP_MM: f32 = 0.25;
@@ -47,21 +47,21 @@ impl Standing {
 /// A table under a lamp.
 #[derive(Clone, Debug)]
 pub struct Table {
-    pub things: Vec<Standing>,
+    pub things: Vec<PlacedThing>,
     /// By what part the light is less at the right edge than at the left one.
     pub shade: f32,
 }
 
 impl Table {
-    /// What a camera sees of it: bytes as of [`exposed`].
-    pub fn seen(&self, view: View, size_px: (usize, usize), seed: u32) -> Vec<u8> {
+    /// The picture that a camera takes of it: bytes as of [`sampled`].
+    pub fn photographed(&self, view: View, size_px: (usize, usize), seed: u32) -> Vec<u8> {
         let turns: Vec<_> = self.things.iter().map(|thing| thing.turn_deg.to_radians().sin_cos()).collect();
-        exposed(size_px, NOISE, seed, |dx, dy| {
+        sampled(size_px, NOISE, seed, |dx, dy| {
             let (x, y) = view.scene_point(dx, dy);
-            let thing = self.things.iter().zip(&turns).find_map(|(standing, &turn)| {
-                let (right, back) = (x - standing.x_mm, standing.y_mm - y);
+            let thing = self.things.iter().zip(&turns).find_map(|(placed, &turn)| {
+                let (right, back) = (x - placed.x_mm, placed.y_mm - y);
                 let near = right.hypot(back) <= REACH_MM;
-                near.then(|| standing.thing.seen_from_above(right, back, turn)).flatten()
+                near.then(|| placed.thing.seen_from_above(right, back, turn)).flatten()
             });
             let light = 1.0 - self.shade * (0.5 + x / WIDTH_MM).clamp(0.0, 1.0);
             thing.unwrap_or_else(|| CLOTH.at(x, y)).map(|colour| colour * light)
@@ -72,7 +72,7 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::turntable::{known_things, strange_things};
+    use crate::demo::turntable::{known_things, unknown_things};
 
     /// Middle of the pixels that are not cloth, from the picture's, in pixels.
     fn middle_px(bytes: &[u8], (width, height): (usize, usize)) -> [f64; 2] {
@@ -87,14 +87,14 @@ mod tests {
     }
 
     #[test]
-    fn every_thing_lies_where_its_middle_is_told_and_within_reach() {
-        for (name, thing) in known_things().into_iter().chain(strange_things()) {
+    fn every_thing_lies_around_its_middle_and_within_reach() {
+        for (name, thing) in known_things().into_iter().chain(unknown_things()) {
             for turn_deg in [0.0, 77.0, 200.0] {
-                let standing = Standing { thing: thing.clone(), x_mm: 3.0, y_mm: -4.0, turn_deg };
-                let [x, y] = standing.middle_mm();
-                let table = Table { things: vec![standing], shade: 0.0 };
+                let placed = PlacedThing { thing: thing.clone(), x_mm: 3.0, y_mm: -4.0, turn_deg };
+                let [x, y] = placed.middle_mm();
+                let table = Table { things: vec![placed], shade: 0.0 };
                 let view = View { scale: 1.25, ..View::of(0.0, 0.0) };
-                let bytes = table.seen(view, (160, 160), 1);
+                let bytes = table.photographed(view, (160, 160), 1);
                 let [seen_x, seen_y] = middle_px(&bytes, (160, 160));
                 let (dx, dy) = (seen_x / 1.25 - x, seen_y / 1.25 - y);
                 assert!(dx.hypot(dy) < 0.3, "{name} turned by {turn_deg}°: off by ({dx}, {dy}) mm");
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn a_positive_turn_brings_the_handle_from_the_right_to_the_top() {
         let mug = || known_things().into_iter().find(|(name, _)| *name == "mug").unwrap().1;
-        let middle = |turn_deg| Standing { thing: mug(), x_mm: 10.0, y_mm: 20.0, turn_deg }.middle_mm();
+        let middle = |turn_deg| PlacedThing { thing: mug(), x_mm: 10.0, y_mm: 20.0, turn_deg }.middle_mm();
         let ([right, level], [middle_x, top]) = (middle(0.0), middle(90.0));
         assert!(right > 12.0 && (level - 20.0).abs() < 0.1, "{right} {level}");
         assert!(top < 18.0 && (middle_x - 10.0).abs() < 0.1, "{middle_x} {top}");
@@ -117,9 +117,9 @@ mod tests {
     #[test]
     fn the_light_falls_off_to_the_right_by_the_shade() {
         let cube = known_things().into_iter().find(|(name, _)| *name == "house").unwrap().1;
-        let standing = |x_mm| Standing { thing: cube.clone(), x_mm, y_mm: 0.0, turn_deg: 0.0 };
-        let table = Table { things: vec![standing(-180.0), standing(180.0)], shade: 0.2 };
-        let bytes = table.seen(View::of(0.0, 0.0), (480, 100), 1);
+        let placed = |x_mm| PlacedThing { thing: cube.clone(), x_mm, y_mm: 0.0, turn_deg: 0.0 };
+        let table = Table { things: vec![placed(-180.0), placed(180.0)], shade: 0.2 };
+        let bytes = table.photographed(View::of(0.0, 0.0), (480, 100), 1);
         // the same place on both roofs, a mean over 20 × 20 pixels
         let red = |x_px: usize| {
             let patch = (40..60).flat_map(|y| (x_px - 10..x_px + 10).map(move |x| 3 * (480 * y + x)));

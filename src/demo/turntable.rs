@@ -4,7 +4,7 @@
 //! z, counter-clockwise as seen from above. Camera and lamp stand still. One unit is a pixel; the projection is
 //! orthographic. Every picture is drawn from the solids themselves: for each point of it, the nearest part met.
 
-use super::drawing::{Colour, Paint, exposed};
+use super::drawing::{Colour, Paint, sampled};
 
 /// Width and height of a picture.
 pub const SIDE_PX: usize = 96;
@@ -16,7 +16,7 @@ const CENTRE_HEIGHT: f32 = 27.0;
 const LAMP: Vector = [-0.43, -0.56, 0.71];
 /// What a face that is turned from the lamp still gets.
 const AMBIENT: f32 = 0.35;
-/// Largest noise of the camera, grey levels.
+/// Largest noise of the camera, gray levels.
 pub const NOISE: f32 = 2.0;
 
 const WHITE: Colour = [236.0, 234.0, 226.0];
@@ -53,8 +53,8 @@ enum Shape {
     Cone { bottom: f32, top: f32, bottom_radius: f32, top_radius: f32 },
 }
 
-/// Where a line of sight meets a solid.
-struct Meeting {
+/// Where a ray enters a solid.
+struct Intersection {
     distance: f32,
     normal: Vector,
     /// Place on the surface: along the face, or around the axis; and upwards.
@@ -62,8 +62,8 @@ struct Meeting {
 }
 
 impl Shape {
-    /// Where the line of sight from a point outside first meets the solid.
-    fn meeting(&self, from: Vector, towards: Vector) -> Option<Meeting> {
+    /// Where the ray from a point outside enters the solid; `None` beside it.
+    fn intersection(&self, from: Vector, towards: Vector) -> Option<Intersection> {
         let at = |distance: f32| [0, 1, 2].map(|axis| from[axis] + distance * towards[axis]);
         match self {
             Shape::Faces(faces) => {
@@ -84,7 +84,7 @@ impl Shape {
                     true => ((x * -normal[1] + y * normal[0]) / along, z),
                     false => (x, y),
                 };
-                (distance < exit).then_some(Meeting { distance, normal, surface })
+                (distance < exit).then_some(Intersection { distance, normal, surface })
             }
             &Shape::Cone { bottom, top, bottom_radius, top_radius } => {
                 let slope = (top_radius - bottom_radius) / (top - bottom);
@@ -93,7 +93,7 @@ impl Shape {
                 let [x, y, _] = at(lid);
                 if x.hypot(y) <= top_radius {
                     // the camera looks down: the lid hides whatever of the side is on the same line
-                    return Some(Meeting { distance: lid, normal: [0.0, 0.0, 1.0], surface: (x, y) });
+                    return Some(Intersection { distance: lid, normal: [0.0, 0.0, 1.0], surface: (x, y) });
                 }
                 // x² + y² = radius(z)² along the line
                 let (from_radius, radius_speed) = (radius_at(from[2]), slope * towards[2]);
@@ -109,7 +109,7 @@ impl Shape {
                     let radius = radius_at(z).max(1e-3);
                     let normal = unit([x / radius, y / radius, -slope]);
                     let around = y.atan2(x) * bottom_radius.max(top_radius);
-                    Meeting { distance, normal, surface: (around, z) }
+                    Intersection { distance, normal, surface: (around, z) }
                 })
             }
         }
@@ -125,7 +125,7 @@ pub struct Thing {
 impl Thing {
     /// Add a box by its least and greatest corner.
     #[must_use]
-    fn with_box(self, least: Vector, greatest: Vector, paint: Paint) -> Thing {
+    fn with_box(self, least: Vector, greatest: Vector, paint: impl Into<Paint>) -> Thing {
         let faces = (0..3).flat_map(|axis| {
             let direction = |sign: f32| {
                 let mut normal = [0.0; 3];
@@ -139,87 +139,84 @@ impl Thing {
 
     /// Add a solid by its planes: normals of length one that point outwards, and their distances from the origin.
     #[must_use]
-    fn with_faces(mut self, faces: Vec<(Vector, f32)>, paint: Paint) -> Thing {
-        self.parts.push((Shape::Faces(faces), paint));
+    fn with_faces(mut self, faces: Vec<(Vector, f32)>, paint: impl Into<Paint>) -> Thing {
+        self.parts.push((Shape::Faces(faces), paint.into()));
         self
     }
 
     /// Add a cone about the axis by heights and radii of its ends, bottom and top.
     #[must_use]
-    fn with_cone(mut self, heights: (f32, f32), radii: (f32, f32), paint: Paint) -> Thing {
+    fn with_cone(mut self, heights: (f32, f32), radii: (f32, f32), paint: impl Into<Paint>) -> Thing {
         let ((bottom, top), (bottom_radius, top_radius)) = (heights, radii);
-        self.parts.push((Shape::Cone { bottom, top, bottom_radius, top_radius }, paint));
+        self.parts.push((Shape::Cone { bottom, top, bottom_radius, top_radius }, paint.into()));
         self
     }
 
     /// The colour that the turntable's camera sees at (`right`, `up`) from its picture's centre, the thing being turned.
     fn at(&self, right: f32, up: f32, turn: (f32, f32)) -> Option<Colour> {
-        self.seen(right, up, turn, ELEVATION_DEG.to_radians().sin_cos())
+        self.traced(right, up, turn, ELEVATION_DEG.to_radians().sin_cos())
     }
 
     /// The colour seen from right above at (`right`, `back`) from the thing's axis.
     pub fn seen_from_above(&self, right: f32, back: f32, turn: (f32, f32)) -> Option<Colour> {
-        self.seen(right, back, turn, (1.0, 0.0))
+        self.traced(right, back, turn, (1.0, 0.0))
     }
 
     /// The colour seen by a camera at that elevation; `None` beside the thing. Angles are sine and cosine.
-    fn seen(&self, right: f32, up: f32, turn: (f32, f32), (sin, cos): (f32, f32)) -> Option<Colour> {
+    fn traced(&self, right: f32, up: f32, turn: (f32, f32), (sin, cos): (f32, f32)) -> Option<Colour> {
         // The thing stays and all else turns the other way.
         let back = |a: Vector| turned(a, (-turn.0, turn.1));
         const FAR: f32 = 1000.0;
         let towards = back([0.0, cos, -sin]);
         let eye = [right, up * sin - FAR * cos, CENTRE_HEIGHT + up * cos + FAR * sin];
         let (from, lamp) = (back(eye), back(LAMP));
-        let met = self.parts.iter().filter_map(|(shape, paint)| Some((shape.meeting(from, towards)?, paint)));
+        let met =
+            self.parts.iter().filter_map(|(shape, paint)| Some((shape.intersection(from, towards)?, paint)));
         let nearest = met.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
-        nearest.map(|(meeting, paint)| {
-            let light = AMBIENT + (1.0 - AMBIENT) * dot(meeting.normal, lamp).max(0.0);
-            let (u, v) = meeting.surface;
+        nearest.map(|(hit, paint)| {
+            let light = AMBIENT + (1.0 - AMBIENT) * dot(hit.normal, lamp).max(0.0);
+            let (u, v) = hit.surface;
             paint.at(u, v).map(|colour| colour * light)
         })
     }
 
-    /// A picture of the thing turned by an angle, [`SIDE_PX`] a side: bytes as of [`exposed`].
+    /// A picture of the thing turned by an angle, [`SIDE_PX`] a side: bytes as of [`sampled`].
     pub fn draw(&self, turn_deg: f32, seed: u32) -> Vec<u8> {
         let turn = turn_deg.rem_euclid(360.0).to_radians().sin_cos();
-        exposed((SIDE_PX, SIDE_PX), NOISE, seed, |dx, dy| self.at(dx, -dy, turn).unwrap_or_default())
+        sampled((SIDE_PX, SIDE_PX), NOISE, seed, |dx, dy| self.at(dx, -dy, turn).unwrap_or_default())
     }
 }
 
 /// The name of the thing that looks the same from all sides.
 pub const WITHOUT_POSE: &str = "vase";
 
-/// The things that are learned.
+/// The things that versions are trained on.
 pub fn known_things() -> Vec<(&'static str, Thing)> {
     vec![("house", house()), ("mug", mug()), ("truck", truck()), (WITHOUT_POSE, vase())]
 }
 
-/// Things that are shown without having been learned.
-pub fn strange_things() -> Vec<(&'static str, Thing)> {
+/// Things that are shown although no version was trained on them.
+pub fn unknown_things() -> Vec<(&'static str, Thing)> {
     vec![("chair", chair()), ("lamp", lamp())]
-}
-
-fn plain(colour: Colour) -> Paint {
-    Paint::Plain(colour)
 }
 
 fn mug() -> Thing {
     let glaze = Paint::Mosaic { colours: [BLUE, WHITE], size: 18.0, seed: 1000 };
     Thing::default()
         .with_cone((0.0, 52.0), (22.0, 24.0), glaze)
-        .with_cone((50.0, 52.2), (20.0, 20.0), plain(BLACK))
-        .with_box([20.0, -4.0, 38.0], [42.0, 4.0, 45.0], plain(BLUE))
-        .with_box([20.0, -4.0, 10.0], [42.0, 4.0, 17.0], plain(BLUE))
-        .with_box([35.0, -4.0, 10.0], [42.0, 4.0, 45.0], plain(BLUE))
+        .with_cone((50.0, 52.2), (20.0, 20.0), BLACK)
+        .with_box([20.0, -4.0, 38.0], [42.0, 4.0, 45.0], BLUE)
+        .with_box([20.0, -4.0, 10.0], [42.0, 4.0, 17.0], BLUE)
+        .with_box([35.0, -4.0, 10.0], [42.0, 4.0, 45.0], BLUE)
 }
 
 fn truck() -> Thing {
     let load = Paint::Chequers { colours: [YELLOW, [176.0, 128.0, 40.0]], size: 13.0 };
     let truck = Thing::default()
-        .with_box([-38.0, -11.0, 6.0], [40.0, 11.0, 11.0], plain(BLACK))
-        .with_box([-40.0, -13.0, 8.0], [-19.0, 13.0, 38.0], plain(RED))
-        .with_box([-40.4, -11.0, 24.0], [-38.0, 11.0, 35.0], plain(BLACK))
-        .with_box([-36.0, -13.4, 24.0], [-25.0, 13.4, 35.0], plain(BLACK))
+        .with_box([-38.0, -11.0, 6.0], [40.0, 11.0, 11.0], BLACK)
+        .with_box([-40.0, -13.0, 8.0], [-19.0, 13.0, 38.0], RED)
+        .with_box([-40.4, -11.0, 24.0], [-38.0, 11.0, 35.0], BLACK)
+        .with_box([-36.0, -13.4, 24.0], [-25.0, 13.4, 35.0], BLACK)
         .with_box([-15.0, -15.0, 11.0], [40.0, 15.0, 46.0], load);
     [-28.0, 6.0, 28.0].into_iter().fold(truck, |truck, x| {
         let wheel = |y: f32| {
@@ -229,7 +226,7 @@ fn truck() -> Thing {
             });
             rim.chain([([0.0, 1.0, 0.0], y + 2.0), ([0.0, -1.0, 0.0], 2.0 - y)]).collect()
         };
-        truck.with_faces(wheel(12.0), plain(STEEL)).with_faces(wheel(-12.0), plain(STEEL))
+        truck.with_faces(wheel(12.0), STEEL).with_faces(wheel(-12.0), STEEL)
     })
 }
 
@@ -247,32 +244,30 @@ fn house() -> Thing {
         ([0.0, 0.0, -1.0], -eaves_height),
     ];
     Thing::default()
-        .with_box([-26.0, -18.0, 0.0], [26.0, 18.0, 30.0], plain(CREAM))
+        .with_box([-26.0, -18.0, 0.0], [26.0, 18.0, 30.0], CREAM)
         .with_faces(roof, Paint::Stripes { colours: [RED, [150.0, 50.0, 44.0]], period: 9.0 })
-        .with_box([10.0, -12.0, 32.0], [18.0, -4.0, 60.0], plain(WOOD))
-        .with_box([-18.0, -18.5, 0.0], [-7.0, -17.0, 19.0], plain(BLUE))
-        .with_box([4.0, -18.5, 9.0], [18.0, -17.0, 21.0], plain(BLACK))
-        .with_box([25.0, -10.0, 8.0], [26.5, 2.0, 22.0], plain(BLACK))
-        .with_box([-16.0, 17.0, 10.0], [16.0, 18.5, 20.0], plain(STEEL))
+        .with_box([10.0, -12.0, 32.0], [18.0, -4.0, 60.0], WOOD)
+        .with_box([-18.0, -18.5, 0.0], [-7.0, -17.0, 19.0], BLUE)
+        .with_box([4.0, -18.5, 9.0], [18.0, -17.0, 21.0], BLACK)
+        .with_box([25.0, -10.0, 8.0], [26.5, 2.0, 22.0], BLACK)
+        .with_box([-16.0, 17.0, 10.0], [16.0, 18.5, 20.0], STEEL)
 }
 
 fn vase() -> Thing {
     Thing::default()
-        .with_cone((0.0, 5.0), (15.0, 13.0), plain(WHITE))
-        .with_cone((5.0, 28.0), (11.0, 27.0), plain(BLUE))
-        .with_cone((28.0, 32.0), (27.0, 27.0), plain(YELLOW))
-        .with_cone((32.0, 46.0), (27.0, 11.0), plain(BLUE))
-        .with_cone((46.0, 58.0), (10.0, 17.0), plain(WHITE))
-        .with_cone((56.0, 58.2), (14.0, 14.0), plain(BLACK))
+        .with_cone((0.0, 5.0), (15.0, 13.0), WHITE)
+        .with_cone((5.0, 28.0), (11.0, 27.0), BLUE)
+        .with_cone((28.0, 32.0), (27.0, 27.0), YELLOW)
+        .with_cone((32.0, 46.0), (27.0, 11.0), BLUE)
+        .with_cone((46.0, 58.0), (10.0, 17.0), WHITE)
+        .with_cone((56.0, 58.2), (14.0, 14.0), BLACK)
 }
 
 fn chair() -> Thing {
     let legs = [(-16.0, -16.0), (12.0, -16.0), (-16.0, 12.0), (12.0, 12.0)];
     legs.into_iter()
-        .fold(Thing::default(), |chair, (x, y)| {
-            chair.with_box([x, y, 0.0], [x + 4.0, y + 4.0, 24.0], plain(WOOD))
-        })
-        .with_box([-18.0, -18.0, 24.0], [18.0, 18.0, 28.0], plain(WOOD))
+        .fold(Thing::default(), |chair, (x, y)| chair.with_box([x, y, 0.0], [x + 4.0, y + 4.0, 24.0], WOOD))
+        .with_box([-18.0, -18.0, 24.0], [18.0, 18.0, 28.0], WOOD)
         .with_box(
             [-18.0, 14.0, 28.0],
             [18.0, 18.0, 62.0],
@@ -282,9 +277,9 @@ fn chair() -> Thing {
 
 fn lamp() -> Thing {
     Thing::default()
-        .with_cone((0.0, 5.0), (20.0, 18.0), plain(STEEL))
-        .with_cone((5.0, 34.0), (3.0, 3.0), plain(BLACK))
-        .with_cone((30.0, 56.0), (30.0, 14.0), plain(CREAM))
+        .with_cone((0.0, 5.0), (20.0, 18.0), STEEL)
+        .with_cone((5.0, 34.0), (3.0, 3.0), BLACK)
+        .with_cone((30.0, 56.0), (30.0, 14.0), CREAM)
 }
 
 #[cfg(test)]
@@ -292,7 +287,7 @@ mod tests {
     use super::*;
 
     fn thing(name: &str) -> Thing {
-        let mut all = known_things().into_iter().chain(strange_things());
+        let mut all = known_things().into_iter().chain(unknown_things());
         all.find(|(label, _)| *label == name).unwrap().1
     }
 
@@ -319,8 +314,8 @@ mod tests {
         };
         for turn_deg in [10.0, 90.0, 180.0, 301.5] {
             let (vase, mug) = (apart(WITHOUT_POSE, turn_deg), apart("mug", turn_deg));
-            assert!(vase < 0.05, "the vase turned by {turn_deg}°: {vase} grey levels apart");
-            assert!(mug > 2.0, "the mug turned by {turn_deg}°: {mug} grey levels apart");
+            assert!(vase < 0.05, "the vase turned by {turn_deg}°: {vase} gray levels apart");
+            assert!(mug > 2.0, "the mug turned by {turn_deg}°: {mug} gray levels apart");
         }
     }
 
@@ -339,7 +334,7 @@ mod tests {
 
     #[test]
     fn no_thing_is_cut_off_at_any_turn() {
-        for (name, thing) in known_things().into_iter().chain(strange_things()) {
+        for (name, thing) in known_things().into_iter().chain(unknown_things()) {
             for turn_deg in [0.0, 30.0, 45.0, 60.0, 90.0, 180.0, 225.0, 270.0] {
                 let bytes = thing.draw(turn_deg, 1);
                 let lit = |x: usize, y: usize| bytes[3 * (y * SIDE_PX + x)..][..3].iter().any(|v| *v > 8);
@@ -354,7 +349,7 @@ mod tests {
 
     #[test]
     fn a_face_towards_the_lamp_is_brighter() {
-        let cube = Thing::default().with_box([-20.0, -20.0, 0.0], [20.0, 20.0, 40.0], plain([100.0; 3]));
+        let cube = Thing::default().with_box([-20.0, -20.0, 0.0], [20.0, 20.0, 40.0], [100.0; 3]);
         let turn = (0.0, 1.0);
         let red = |up| cube.at(0.0, up, turn).unwrap()[0];
         let (front, top) = (red(-15.0), red(12.0));

@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Skipped;
+use landmarkd_core::statistics::nearest_rank;
 
 /// A rate, and how much it rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -33,6 +34,11 @@ impl Rate {
             count += 1;
         }
         Rate::of(hits, count)
+    }
+
+    /// The counts alone, such as "9 of 12".
+    pub fn counts(self) -> String {
+        format!("{} of {}", self.hits, self.trials)
     }
 }
 
@@ -88,7 +94,8 @@ impl Times {
     /// Percentiles by nearest rank; 0 of nothing.
     pub(super) fn of(mut all_ms: Vec<f64>) -> Times {
         all_ms.sort_by(f64::total_cmp);
-        Times { p50_ms: percentile(&all_ms, 0.50), p95_ms: percentile(&all_ms, 0.95) }
+        let [p50_ms, p95_ms] = [0.50, 0.95].map(|part| nearest_rank(&all_ms, part).unwrap_or(0.0));
+        Times { p50_ms, p95_ms }
     }
 }
 
@@ -97,26 +104,26 @@ pub(super) fn ms_since(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1e3
 }
 
-/// By nearest rank in ascending values; 0 of nothing.
-fn percentile(ascending: &[f64], part: f64) -> f64 {
-    let rank = (part * ascending.len() as f64).ceil() as usize;
-    ascending.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
-}
-
-/// How far two angles are from each other on the circle, 0..=180.
-pub fn degrees_apart(a_deg: f64, b_deg: f64) -> f64 {
-    let apart = (a_deg - b_deg).rem_euclid(360.0);
-    apart.min(360.0 - apart)
+/// Does the work and adds the milliseconds that it took to `total_ms`.
+pub(super) fn timed<T>(total_ms: &mut f64, work: impl FnOnce() -> T) -> T {
+    let started = Instant::now();
+    let done = work();
+    *total_ms += ms_since(started);
+    done
 }
 
 /// How far answered poses were from the true ones, on the circle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PoseErrors {
+    /// Answered poses.
     pub trials: usize,
+    /// Their mean.
     pub mean_deg: f64,
+    /// By nearest rank.
     pub median_deg: f64,
     /// 95 of 100 are no larger.
     pub p95_deg: f64,
+    /// The largest error.
     pub worst_deg: f64,
     /// Errors of 5° or less.
     pub within_5_deg: Rate,
@@ -130,8 +137,8 @@ impl PoseErrors {
         Some(PoseErrors {
             trials: errors_deg.len(),
             mean_deg: errors_deg.iter().sum::<f64>() / errors_deg.len() as f64,
-            median_deg: percentile(&errors_deg, 0.50),
-            p95_deg: percentile(&errors_deg, 0.95),
+            median_deg: nearest_rank(&errors_deg, 0.50)?,
+            p95_deg: nearest_rank(&errors_deg, 0.95)?,
             worst_deg,
             within_5_deg: Rate::among(errors_deg.iter().map(|error_deg| *error_deg <= 5.0)),
         })
@@ -197,19 +204,6 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_compared_on_the_circle() {
-        for (a, b, apart) in [
-            (359.0, 1.0, 2.0),
-            (1.0, 359.0, 2.0),
-            (0.0, 180.0, 180.0),
-            (0.0, 360.0, 0.0),
-            (350.0, 80.0, 90.0),
-        ] {
-            assert_eq!(degrees_apart(a, b), apart, "{a} and {b}");
-        }
-    }
-
-    #[test]
     fn pose_errors_tell_of_all_trials() {
         let errors = PoseErrors::of(vec![9.0, 1.0, 5.0, 2.0]).unwrap();
         assert_eq!((errors.trials, errors.mean_deg, errors.median_deg), (4, 4.25, 2.0));
@@ -222,7 +216,7 @@ mod tests {
         let wrong = [("b", None), ("a", Some("b")), ("b", None), ("a", None)];
         let counted =
             Confusion::counted(wrong.map(|(shown, named)| (shown.to_owned(), named.map(str::to_owned))));
-        let told: Vec<String> = counted.iter().map(Confusion::to_string).collect();
-        assert_eq!(told, ["b as nothing (2)", "a as nothing", "a as b"]);
+        let printed: Vec<String> = counted.iter().map(Confusion::to_string).collect();
+        assert_eq!(printed, ["b as nothing (2)", "a as nothing", "a as b"]);
     }
 }

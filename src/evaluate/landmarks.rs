@@ -1,24 +1,25 @@
 //! Databases of landmarks: which label has the most weight, what was decided at the version's threshold, and how much
 //! weight background alone collects.
 
-use std::collections::BTreeSet;
+use std::convert::Infallible;
 use std::fmt;
 use std::path::Path;
-use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::Value;
 
 use super::EvaluateError;
-use super::figures::{Confusion, Rate, Times, closing_rows, ms_since, row};
-use super::files::{Files, Skipped, UNKNOWN, read_frame};
+use super::figures::{Confusion, Rate, Times, closing_rows, row, timed};
+use super::files::{Files, LabelledFile, Skipped, read_frame};
 use super::options::document_of;
+use super::queries::{Answers, Progress, ask};
 use crate::database::options::Options;
 use landmarkd_core::recognition::landmarks::{
-    ExemplarName, LandmarkOptions, Landmarks, Recognition, describe, rehearsals,
+    CalibrationPlan, ExemplarName, LandmarkOptions, Landmarks, Recognition, TrainingReport,
+    calibration_samples, describe, synthetic_views,
 };
 
-/// A right answer among the first so many is still of use to a robot that looks twice.
+/// A right answer among the first so many still helps a robot that checks several.
 const TOP: usize = 5;
 
 /// Frames without a known object, and what they do to the others.
@@ -80,65 +81,34 @@ pub struct LandmarkEvaluation {
     pub recognise: Times,
     /// Describing and training, without decoding.
     pub training_ms: f64,
-    /// Rehearsing the training images and learning from that how sure answers are, with decoding.
-    pub rehearsal_ms: f64,
+    /// Calibrating on synthetic views of the training images, with decoding.
+    #[serde(rename = "rehearsal_ms")]
+    pub calibration_ms: f64,
 }
 
-/// Train and recognise.
+/// Trains and recognises.
 pub(super) fn evaluate(
     options: &LandmarkOptions,
     files: &Files,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<LandmarkEvaluation, EvaluateError> {
-    let Files { training, queries } = files;
-    let total = training.len() + queries.len();
-    let mut done = 0;
+    let mut progress = Progress::new(files.training.len() + files.queries.len(), progress);
     let mut skipped = Vec::new();
+    let Trained { model, report, training_ms, calibration_ms } =
+        train(options, &files.training, &mut skipped, &mut progress)?;
+    let Answers { judged, untrained_labels, decode, recognise } = ask(
+        &files.queries,
+        &model.labels(),
+        |frame| Ok::<_, Infallible>(model.recognise(frame, |_| ())),
+        |file, is_known, recognition| Judged::of(file.label.as_deref().filter(|_| is_known), &recognition),
+        &mut skipped,
+        &mut progress,
+    );
 
-    let mut training_ms = 0.0;
-    let mut exemplars = Vec::new();
-    for file in training {
-        let id = file.path.display().to_string();
-        if let (Some(label), Some((frame, _))) = (&file.label, read_frame(&file.path, &mut skipped)) {
-            let started = Instant::now();
-            exemplars.push(describe(ExemplarName { id, label: label.clone() }, &frame, options));
-            training_ms += ms_since(started);
-        }
-        done += 1;
-        progress(done, total);
-    }
-    let started = Instant::now();
-    let (mut model, report) =
-        Landmarks::train(exemplars, options).map_err(|source| EvaluateError::LandmarkTraining { source })?;
-    training_ms += ms_since(started);
-    let started = Instant::now();
-    rehearse(&mut model);
-    let rehearsal_ms = ms_since(started);
-
-    let labels = model.labels();
-    let mut untrained = BTreeSet::new();
-    let mut judged = Vec::new();
-    let (mut decode_ms, mut recognise_ms) = (Vec::new(), Vec::new());
-    for file in queries {
-        if let Some((frame, took_ms)) = read_frame(&file.path, &mut skipped) {
-            let known = file.label.as_deref().filter(|label| labels.binary_search(label).is_ok());
-            if known.is_none() {
-                untrained.extend(file.label.clone());
-            }
-            let started = Instant::now();
-            let recognition = model.recognise(&frame, |_| ());
-            recognise_ms.push(ms_since(started));
-            decode_ms.push(took_ms);
-            judged.push(Judged::of(known, &recognition));
-        }
-        done += 1;
-        progress(done, total);
-    }
-    untrained.remove(UNKNOWN);
-
-    let (known, strange): (Vec<Judged>, Vec<Judged>) = judged.into_iter().partition(|j| j.shown.is_some());
+    let (known, unknown): (Vec<Judged>, Vec<Judged>) = judged.into_iter().partition(|j| j.shown.is_some());
     let decided = |wanted: &dyn Fn(&Judged) -> bool| Rate::among(known.iter().map(wanted));
-    let within = |most: usize| Rate::of(known.iter().filter(|j| j.rank < most).count(), known.len());
+    let within = |most: usize| Rate::among(known.iter().map(|j| j.rank < most));
+    let wrong = known.iter().filter(|j| j.rank != 0);
     Ok(LandmarkEvaluation {
         options: document_of(&Options::Landmarks(options.clone())),
         exemplars: report.exemplars,
@@ -153,36 +123,61 @@ pub(super) fn evaluate(
             null: decided(&|j| j.decided.is_none()),
         },
         threshold: model.confidence().map(|confidence| confidence.threshold),
-        rejection: rejection(&known, &strange),
-        confusion: Confusion::counted(
-            known
-                .iter()
-                .filter(|j| j.rank != 0)
-                .map(|j| (j.shown.clone().unwrap_or_default(), j.named.clone())),
-        ),
-        untrained_labels: untrained.into_iter().collect(),
+        rejection: rejection(&known, &unknown),
+        confusion: Confusion::counted(wrong.map(|j| (j.shown.clone().unwrap_or_default(), j.named.clone()))),
+        untrained_labels,
         skipped,
-        decode: Times::of(decode_ms),
-        recognise: Times::of(recognise_ms),
+        decode,
+        recognise,
         training_ms,
-        rehearsal_ms,
+        calibration_ms,
     })
 }
 
-/// Rehearse the exemplars and calibrate, as a training of the service does; a picture that can't be read again is
-/// passed over.
-fn rehearse(model: &mut Landmarks) {
-    let (chosen, rounds) = model.rehearsed_exemplars();
-    let mut said = Vec::new();
-    for round in 0..rounds {
-        for exemplar in chosen.iter().map(|&index| &model.exemplars()[index]) {
-            let name = ExemplarName { id: exemplar.id.clone(), label: exemplar.label.clone() };
-            if let Some((frame, _)) = read_frame(Path::new(&exemplar.id), &mut Vec::new()) {
-                said.extend(model.rehearse(&name, &rehearsals(&name, &frame, round, model.options())));
+/// A calibrated model, its report, and what it took.
+struct Trained {
+    model: Landmarks,
+    report: TrainingReport,
+    training_ms: f64,
+    calibration_ms: f64,
+}
+
+/// Trains on the files that have a label, and calibrates.
+fn train(
+    options: &LandmarkOptions,
+    files: &[LabelledFile],
+    skipped: &mut Vec<Skipped>,
+    progress: &mut Progress,
+) -> Result<Trained, EvaluateError> {
+    let (mut training_ms, mut calibration_ms) = (0.0, 0.0);
+    let mut exemplars = Vec::new();
+    for file in files {
+        if let (Some(label), Some((frame, _))) = (&file.label, read_frame(&file.path, skipped)) {
+            let name = ExemplarName { id: file.path.display().to_string(), label: label.clone() };
+            exemplars.push(timed(&mut training_ms, || describe(name, &frame, options)));
+        }
+        progress.step();
+    }
+    let trained = timed(&mut training_ms, || Landmarks::train(exemplars, options));
+    let (mut model, report) = trained.map_err(|source| EvaluateError::LandmarkTraining { source })?;
+    timed(&mut calibration_ms, || calibrate(&mut model));
+    Ok(Trained { model, report, training_ms, calibration_ms })
+}
+
+/// Calibrates on synthetic views of the exemplars, as a training of the service does; skips pictures that can't be read
+/// again.
+fn calibrate(model: &mut Landmarks) {
+    let plan = CalibrationPlan::of(model);
+    let mut samples = Vec::new();
+    for round in 0..plan.rounds {
+        for name in plan.exemplars.iter().map(|&index| model.exemplars()[index].name()) {
+            if let Some((frame, _)) = read_frame(Path::new(&name.id), &mut Vec::new()) {
+                let views = synthetic_views(&name, &frame, round, model.options());
+                samples.extend(calibration_samples(model, &name, &views));
             }
         }
     }
-    model.calibrate(&said);
+    model.calibrate(&samples);
 }
 
 /// One query's answer against its truth.
@@ -216,27 +211,21 @@ impl Judged {
     }
 }
 
-fn rejection(known: &[Judged], strange: &[Judged]) -> Option<Rejection> {
-    if strange.is_empty() || known.is_empty() {
+fn rejection(known: &[Judged], unknown: &[Judged]) -> Option<Rejection> {
+    if unknown.is_empty() || known.is_empty() {
         return None;
     }
-    let heaviest = strange.iter().map(|j| j.weight).fold(0.0, f64::max);
+    let heaviest = unknown.iter().map(|j| j.weight).fold(0.0, f64::max);
     let kept = known.iter().filter(|j| j.right_weight() > heaviest).count();
     let mut won = 0.0;
     for a in known.iter().map(Judged::right_weight) {
-        for b in strange.iter().map(|j| j.weight) {
-            won += if a > b {
-                1.0
-            } else if a == b {
-                0.5
-            } else {
-                0.0
-            };
+        for b in unknown.iter().map(|j| j.weight) {
+            won += 0.5 * (f64::from(a > b) + f64::from(a >= b));
         }
     }
-    let auroc = won / (known.len() * strange.len()) as f64;
-    let refused = Rate::among(strange.iter().map(|j| j.decided.is_none()));
-    Some(Rejection { frames: strange.len(), kept: Rate::of(kept, known.len()), auroc, refused })
+    let auroc = won / (known.len() * unknown.len()) as f64;
+    let refused = Rate::among(unknown.iter().map(|j| j.decided.is_none()));
+    Some(Rejection { frames: unknown.len(), kept: Rate::of(kept, known.len()), auroc, refused })
 }
 
 impl fmt::Display for LandmarkEvaluation {
@@ -251,7 +240,7 @@ impl fmt::Display for LandmarkEvaluation {
                 self.interest_points,
                 self.dimension,
                 self.training_ms,
-                self.rehearsal_ms
+                self.calibration_ms
             ),
         )?;
         row(f, "top-1", &self.top_1)?;
@@ -286,27 +275,27 @@ mod tests {
     use super::*;
     use landmarkd_core::imaging::encode::png_gray8;
 
-    /// A picture of 12 px cells whose greys depend on the seed alone.
+    /// A picture of 12 px cells whose gray levels depend on the seed alone.
     fn write_picture(path: &Path, seed: usize) {
         let size = 96;
         // mixed well: a plain multiplication would make one picture a shift of another
-        let grey = |x: usize, y: usize| {
+        let gray = |x: usize, y: usize| {
             let mut mixed = (x / 12 + 8 * (y / 12) + 64 * seed + 1) as u64;
             for factor in [0xbf58_476d_1ce4_e5b9_u64, 0x94d0_49bb_1331_11eb] {
                 mixed = (mixed ^ (mixed >> 29)).wrapping_mul(factor);
             }
             (mixed >> 56) as u8
         };
-        let pixels: Vec<u8> = (0..size * size).map(|i| grey(i % size, i / size)).collect();
+        let pixels: Vec<u8> = (0..size * size).map(|i| gray(i % size, i / size)).collect();
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, png_gray8(size, size, &pixels)).unwrap();
     }
 
     fn evaluated(train_dir: &Path, queries: &Path) -> LandmarkEvaluation {
-        told_of(train_dir, queries, &mut |_, _| ())
+        evaluated_with(train_dir, queries, &mut |_, _| ())
     }
 
-    fn told_of(
+    fn evaluated_with(
         train_dir: &Path,
         queries: &Path,
         progress: &mut dyn FnMut(usize, usize),
@@ -316,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_recognised_as_itself_and_above_strange_ones() {
+    fn a_picture_is_recognised_as_itself_and_above_unknown_ones() {
         let folder = tempfile::tempdir().unwrap();
         let (train, queries) = (folder.path().join("train"), folder.path().join("queries"));
         for (n, label) in ["hall", "lab", "yard"].into_iter().enumerate() {
@@ -325,8 +314,8 @@ mod tests {
         }
         write_picture(&queries.join("unknown/c.png"), 7);
         write_picture(&queries.join("attic/d.png"), 8);
-        let mut told = Vec::new();
-        let evaluation = told_of(&train, &queries, &mut |done, total| told.push((done, total)));
+        let mut reported = Vec::new();
+        let evaluation = evaluated_with(&train, &queries, &mut |done, total| reported.push((done, total)));
         assert_eq!(evaluation.top_1, Rate::of(3, 3));
         assert_eq!(evaluation.top_5, Rate::of(3, 3));
         let rejection = evaluation.rejection.as_ref().unwrap();
@@ -335,7 +324,7 @@ mod tests {
         assert!(evaluation.threshold.is_some_and(|threshold| threshold >= 0.5), "{evaluation}");
         assert_eq!(evaluation.untrained_labels, ["attic"]);
         assert!(evaluation.confusion.is_empty() && evaluation.skipped.is_empty());
-        assert_eq!(told, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());
+        assert_eq!(reported, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());
         assert!(evaluation.to_string().contains("top-1         1.000 (3 of 3)"), "{evaluation}");
     }
 

@@ -11,6 +11,7 @@ mod files;
 mod landmarks;
 mod objects;
 mod options;
+mod queries;
 
 use std::fmt;
 use std::io;
@@ -24,7 +25,7 @@ use thiserror::Error;
 use crate::database::options::{DocumentError, Kind, Options};
 use landmarkd_core::recognition;
 
-pub use figures::{Confusion, PoseErrors, Rate, Times, degrees_apart};
+pub use figures::{Confusion, PoseErrors, Rate, Times};
 pub use files::{LabelledFile, Skipped, labelled_files};
 pub use landmarks::{Decided, LandmarkEvaluation, Rejection};
 pub use objects::{ObjectEvaluation, ObjectPoses, Poses};
@@ -81,31 +82,79 @@ pub struct EvaluationRequest {
 /// Why nothing could be evaluated.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
+    /// An option without `=`.
     #[error("--option {given:?} is not NAME=VALUE")]
-    NotAnOption { given: String },
+    NotAnOption {
+        /// The text given.
+        given: String,
+    },
+    /// An option that the kind hasn't got.
     #[error("there is no option {option:?}; the options are {known}")]
-    UnknownOption { option: String, known: String },
+    UnknownOption {
+        /// The name of the option.
+        option: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// An option whose value has the wrong type.
     #[error("the option {option} can't be {value}")]
-    OptionType { option: String, value: Value, source: DocumentError },
+    OptionType {
+        /// The name of the option.
+        option: String,
+        /// The value given.
+        value: Value,
+        /// The cause.
+        source: DocumentError,
+    },
+    /// Options that are out of range or conflict.
     #[error("the options can't be used together")]
-    Options { source: DocumentError },
+    Options {
+        /// The cause.
+        source: DocumentError,
+    },
+    /// A file or folder can't be read.
     #[error("can't read {}", .path.display())]
-    Read { path: PathBuf, source: io::Error },
+    Read {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// The manifest is not the JSON that it must be.
     #[error("{} is no manifest: an object with lists `train` and `queries` of {{file, label}}", .path.display())]
-    Manifest { path: PathBuf, source: serde_json::Error },
+    Manifest {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: serde_json::Error,
+    },
+    /// A folder without pictures below labels.
     #[error("{} holds no pictures in folders named by their labels", .path.display())]
-    NoPictures { path: PathBuf },
+    NoPictures {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// No model of landmarks can be trained.
     #[error("no model can be trained")]
-    LandmarkTraining { source: recognition::landmarks::TrainingError },
+    LandmarkTraining {
+        /// The cause.
+        source: recognition::landmarks::TrainingError,
+    },
+    /// No model of objects can be trained.
     #[error("no model can be trained")]
-    ObjectTraining { source: recognition::objects::TrainingError },
+    ObjectTraining {
+        /// The cause.
+        source: recognition::objects::TrainingError,
+    },
 }
 
 /// How well a trained database knew the queries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Evaluation {
+    /// Of a database of landmarks.
     Landmarks(Box<LandmarkEvaluation>),
+    /// Of a database of objects.
     Objects(Box<ObjectEvaluation>),
 }
 
@@ -118,7 +167,7 @@ impl fmt::Display for Evaluation {
     }
 }
 
-/// Train and recognise; `progress` is told (pictures done, all pictures).
+/// Trains and recognises; calls `progress` with (pictures done, all pictures).
 ///
 /// # Errors
 /// [`EvaluateError`]; a single broken picture is none, it is named and skipped.
@@ -127,14 +176,14 @@ pub fn evaluate(
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Evaluation, EvaluateError> {
     let files = files::training_and_queries(&request.train_dir, &request.queries)?;
-    Ok(match &request.options {
+    match &request.options {
         Options::Landmarks(options) => {
-            Evaluation::Landmarks(Box::new(landmarks::evaluate(options, &files, progress)?))
+            landmarks::evaluate(options, &files, progress).map(|it| Evaluation::Landmarks(Box::new(it)))
         }
         Options::Objects(options) => {
-            Evaluation::Objects(Box::new(objects::evaluate(options, &files, progress)?))
+            objects::evaluate(options, &files, progress).map(|it| Evaluation::Objects(Box::new(it)))
         }
-    })
+    }
 }
 
 #[cfg(test)]

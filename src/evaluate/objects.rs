@@ -1,19 +1,21 @@
 //! Databases of whole appearance: which object, known or not, and how it is turned.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
-use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::Value;
 
 use super::EvaluateError;
-use super::figures::{Confusion, PoseErrors, Rate, Times, closing_rows, degrees_apart, ms_since, row};
+use super::figures::{Confusion, PoseErrors, Rate, Times, closing_rows, row, timed};
 use super::files::{Files, LabelledFile, Skipped, UNKNOWN, read_frame};
 use super::options::document_of;
+use super::queries::{Answers, Progress, ask};
 use crate::database::options::Options;
+use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::recognition::objects::{
-    Canvas, ObjectOptions, Objects, Pose, Recognition, TrainingError, TrainingReport, View, common_size,
+    self, Normaliser, ObjectOptions, Objects, Pose, Recognition, TrainingError, TrainingReport, View,
+    common_size,
 };
 
 /// How well a trained database knew the objects of the queries.
@@ -27,6 +29,7 @@ pub struct ObjectEvaluation {
     pub labels: usize,
     /// Size of the database's pictures.
     pub width_px: usize,
+    /// Height of these.
     pub height_px: usize,
     /// Coordinates of an eigenpoint in the universal eigenspace.
     pub dimension: usize,
@@ -72,62 +75,36 @@ pub struct Poses {
 /// Poses of one object.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectPoses {
+    /// The object.
     pub label: String,
     #[serde(flatten)]
+    /// Its poses.
     pub poses: Poses,
 }
 
-/// Train and recognise.
+/// Trains and recognises.
 pub(super) fn evaluate(
     options: &ObjectOptions,
     files: &Files,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<ObjectEvaluation, EvaluateError> {
-    let total = files.training.len() + files.queries.len();
-    let mut done = 0;
-    let mut step = || {
-        done += 1;
-        progress(done, total);
-    };
+    let mut progress = Progress::new(files.training.len() + files.queries.len(), progress);
     let mut skipped = Vec::new();
-    let Trained { model, report, training_ms } = train(options, &files.training, &mut skipped, &mut step)?;
+    let Trained { model, report, training_ms } =
+        train(options, &files.training, &mut skipped, &mut progress)?;
+    let Answers { judged, untrained_labels, decode, recognise } = ask(
+        &files.queries,
+        &model.labels(),
+        |frame| model.recognise(frame, |_| ()),
+        Judged::of,
+        &mut skipped,
+        &mut progress,
+    );
 
-    let labels = model.labels();
-    let mut untrained = BTreeSet::new();
-    let mut judged = Vec::new();
-    let (mut decode_ms, mut recognise_ms) = (Vec::new(), Vec::new());
-    for file in &files.queries {
-        if let Some((frame, took_ms)) = read_frame(&file.path, &mut skipped) {
-            let known = file.label.as_deref().is_some_and(|label| labels.contains(&label));
-            let started = Instant::now();
-            let recognition = model.recognise(&frame, |_| ());
-            let recognised_ms = ms_since(started);
-            match recognition {
-                Err(mismatch) => skipped.push(Skipped::new(&file.path, mismatch)),
-                Ok(recognition) => {
-                    if !known {
-                        untrained.extend(file.label.clone());
-                    }
-                    decode_ms.push(took_ms);
-                    recognise_ms.push(recognised_ms);
-                    judged.push(Judged::of(file, known, recognition));
-                }
-            }
-        }
-        step();
-    }
-    untrained.remove(UNKNOWN);
-
-    let (known, strange): (Vec<&Judged>, Vec<&Judged>) = judged.iter().partition(|j| j.known);
-    let mut by_object: BTreeMap<&str, Vec<&Judged>> = BTreeMap::new();
-    for judged in &known {
-        by_object.entry(&judged.shown).or_default().push(judged);
-    }
+    let (known, unknown): (Vec<&Judged>, Vec<&Judged>) = judged.iter().partition(|j| j.known);
     let rate = |good: fn(&Judged) -> bool| Rate::among(known.iter().map(|j| good(j)));
-    let refused = Rate::among(strange.iter().map(|j| j.named.is_none()));
-    let poses_by_object = by_object.into_iter().filter_map(|(label, judged)| {
-        Some(ObjectPoses { label: label.to_owned(), poses: Poses::of(&judged)? })
-    });
+    let refused = Rate::among(unknown.iter().map(|j| j.named.is_none()));
+    let wrong = judged.iter().filter(|j| j.is_wrong());
     Ok(ObjectEvaluation {
         options: document_of(&Options::Objects(options.clone())),
         exemplars: report.exemplars,
@@ -138,34 +115,83 @@ pub(super) fn evaluate(
         recognised: rate(|j| j.likeliest.as_ref() == Some(&j.shown)),
         named_right: rate(Judged::is_named_right),
         accepted: rate(|j| j.named.is_some()),
-        refused: (!strange.is_empty()).then_some(refused),
-        confusion: Confusion::counted(
-            judged.iter().filter(|j| j.is_wrong()).map(|j| (j.shown.clone(), j.named.clone())),
-        ),
+        refused: (!unknown.is_empty()).then_some(refused),
+        confusion: Confusion::counted(wrong.map(|j| (j.shown.clone(), j.named.clone()))),
         poses: Poses::of(&known),
-        poses_by_object: poses_by_object.collect(),
-        untrained_labels: untrained.into_iter().collect(),
+        poses_by_object: poses_by_object(&known),
+        untrained_labels,
         skipped,
-        decode: Times::of(decode_ms),
-        recognise: Times::of(recognise_ms),
+        decode,
+        recognise,
         training_ms,
     })
 }
 
+/// The poses of each object that has any, in the order of labels.
+fn poses_by_object(known: &[&Judged]) -> Vec<ObjectPoses> {
+    let mut by_object: BTreeMap<&str, Vec<&Judged>> = BTreeMap::new();
+    for judged in known {
+        by_object.entry(&judged.shown).or_default().push(judged);
+    }
+    let poses = by_object.into_iter().filter_map(|(label, judged)| {
+        Some(ObjectPoses { label: label.to_owned(), poses: Poses::of(&judged)? })
+    });
+    poses.collect()
+}
+
+/// A model, its report, and what the training took.
 struct Trained {
     model: Objects,
     report: TrainingReport,
     training_ms: f64,
 }
 
-/// Train on the files that have a label; what can't be used is noted and left out.
+/// A training picture that can be used, and its label.
+type Usable<'a> = (&'a str, &'a LabelledFile);
+
+/// Trains on the files that have a label; skips what can't be used.
 fn train(
     options: &ObjectOptions,
     files: &[LabelledFile],
     skipped: &mut Vec<Skipped>,
-    step: &mut dyn FnMut(),
+    progress: &mut Progress,
 ) -> Result<Trained, EvaluateError> {
     let failed = |source| EvaluateError::ObjectTraining { source };
+    let usable = usable(files, skipped, progress);
+    // Decoded once for the commonest size, and again for the appearance: large pictures are held one at a time.
+    let sizes = usable.iter().filter_map(|(_, file)| {
+        let (frame, _) = read_frame(&file.path, &mut Vec::new())?;
+        Some((frame.width() as u32, frame.height() as u32))
+    });
+    let size_px = common_size(sizes).ok_or_else(|| failed(TrainingError::TooFew { views: 0 }))?;
+    let normaliser = Normaliser::new(options, size_px);
+    let mut training_ms = 0.0;
+    let mut views = Vec::new();
+    for (label, file) in usable {
+        if let Some((frame, _)) = read_frame(&file.path, skipped) {
+            match timed(&mut training_ms, || normaliser.appearance(&frame)) {
+                Err(mismatch) => skipped.push(Skipped::new(&file.path, mismatch)),
+                Ok(appearance) => views.push(View {
+                    id: file.path.display().to_string(),
+                    label: label.to_owned(),
+                    pose_deg: file.pose_deg,
+                    appearance,
+                }),
+            }
+        }
+        progress.step();
+    }
+    let trained = timed(&mut training_ms, || objects::train(views, &normaliser, options));
+    let (model, report) = trained.map_err(failed)?;
+    Ok(Trained { model, report, training_ms })
+}
+
+/// The files that have a label and no impossible pose.
+fn usable<'a>(
+    files: &'a [LabelledFile],
+    skipped: &mut Vec<Skipped>,
+    progress: &mut Progress,
+) -> Vec<Usable<'a>> {
     let mut usable = Vec::new();
     for file in files {
         let reason = match (&file.label, file.pose_deg) {
@@ -174,43 +200,14 @@ fn train(
                 format!("the pose {pose_deg}° is not in [0, 360)")
             }
             (Some(label), _) => {
-                usable.push((label, file));
+                usable.push((label.as_str(), file));
                 continue;
             }
         };
         skipped.push(Skipped::new(&file.path, reason));
-        step();
+        progress.step();
     }
-    // Decoded once for the commonest size, and again for the appearance: large pictures are held one at a time.
-    let sizes = usable.iter().filter_map(|(_, file)| {
-        let (frame, _) = read_frame(&file.path, &mut Vec::new())?;
-        Some((frame.width() as u32, frame.height() as u32))
-    });
-    let size_px = common_size(sizes).ok_or_else(|| failed(TrainingError::TooFew { views: 0 }))?;
-    let canvas = Canvas::new(options, size_px);
-    let mut training_ms = 0.0;
-    let mut views = Vec::new();
-    for (label, file) in usable {
-        if let Some((frame, _)) = read_frame(&file.path, skipped) {
-            let started = Instant::now();
-            let appearance = canvas.appearance(&frame);
-            training_ms += ms_since(started);
-            match appearance {
-                Err(mismatch) => skipped.push(Skipped::new(&file.path, mismatch)),
-                Ok(appearance) => views.push(View {
-                    id: file.path.display().to_string(),
-                    label: label.clone(),
-                    pose_deg: file.pose_deg,
-                    appearance,
-                }),
-            }
-        }
-        step();
-    }
-    let started = Instant::now();
-    let (model, report) = Objects::train(views, &canvas, options).map_err(failed)?;
-    training_ms += ms_since(started);
-    Ok(Trained { model, report, training_ms })
+    usable
 }
 
 /// One query's answer against its truth.
@@ -260,7 +257,7 @@ impl Poses {
         let answered: Vec<(f64, bool)> = asked
             .iter()
             .filter_map(|(true_deg, pose)| {
-                pose.map(|pose| (degrees_apart(*true_deg, pose.turn_deg), pose.reliable))
+                pose.map(|pose| (angular_distance_deg(*true_deg, pose.turn_deg), pose.reliable))
             })
             .collect();
         let errors = |wanted: fn(bool) -> bool| {
@@ -332,21 +329,21 @@ mod tests {
     /// A bright wedge on black that points where it is turned, of one of some widths.
     fn write_wedge(path: &Path, half_width_deg: f64, turn_deg: f64) {
         let middle = SIDE_PX as f64 / 2.0;
-        let grey = |x: usize, y: usize| {
+        let gray = |x: usize, y: usize| {
             let (dx, dy) = (x as f64 + 0.5 - middle, y as f64 + 0.5 - middle);
             let (radius, bearing_deg) = (dx.hypot(dy), dy.atan2(dx).to_degrees());
-            let aside = degrees_apart(bearing_deg, turn_deg) / half_width_deg;
+            let aside = angular_distance_deg(bearing_deg, turn_deg) / half_width_deg;
             if radius < 14.0 { (255.0 * (1.5 - aside).clamp(0.0, 1.0)) as u8 } else { 0 }
         };
-        let pixels: Vec<u8> = (0..SIDE_PX * SIDE_PX).map(|i| grey(i % SIDE_PX, i / SIDE_PX)).collect();
+        let pixels: Vec<u8> = (0..SIDE_PX * SIDE_PX).map(|i| gray(i % SIDE_PX, i / SIDE_PX)).collect();
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, png_gray8(SIDE_PX, SIDE_PX, &pixels)).unwrap();
     }
 
     /// Chequers, which no wedge is like.
     fn write_chequers(path: &Path) {
-        let grey = |x: usize, y: usize| if (x / 4 + y / 4).is_multiple_of(2) { 200 } else { 20 };
-        let pixels: Vec<u8> = (0..SIDE_PX * SIDE_PX).map(|i| grey(i % SIDE_PX, i / SIDE_PX)).collect();
+        let gray = |x: usize, y: usize| if (x / 4 + y / 4).is_multiple_of(2) { 200 } else { 20 };
+        let pixels: Vec<u8> = (0..SIDE_PX * SIDE_PX).map(|i| gray(i % SIDE_PX, i / SIDE_PX)).collect();
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, png_gray8(SIDE_PX, SIDE_PX, &pixels)).unwrap();
     }
@@ -378,9 +375,10 @@ mod tests {
         write_chequers(&folder.path().join("queries/carpet/b__30.png"));
         let files =
             training_and_queries(&folder.path().join("train"), &folder.path().join("queries")).unwrap();
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         let evaluation =
-            evaluate(&ObjectOptions::default(), &files, &mut |done, total| told.push((done, total))).unwrap();
+            evaluate(&ObjectOptions::default(), &files, &mut |done, total| reported.push((done, total)))
+                .unwrap();
         println!("{evaluation}");
         assert_eq!((evaluation.exemplars, evaluation.labels), (48, 2));
         assert_eq!((evaluation.width_px, evaluation.height_px), (SIDE_PX, SIDE_PX));
@@ -389,7 +387,7 @@ mod tests {
         assert_eq!(evaluation.refused, Some(Rate::of(2, 2)));
         assert_eq!(evaluation.untrained_labels, ["carpet"]);
         assert!(evaluation.confusion.is_empty() && evaluation.skipped.is_empty());
-        assert_eq!(told, (1..=58).map(|done| (done, 58)).collect::<Vec<_>>());
+        assert_eq!(reported, (1..=58).map(|done| (done, 58)).collect::<Vec<_>>());
         let poses = evaluation.poses.unwrap();
         let errors = poses.errors.unwrap();
         assert_eq!((poses.answered, errors.within_5_deg), (Rate::of(8, 8), Rate::of(8, 8)));
@@ -399,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_by_the_table_stands_in_the_json_too() {
+    fn the_json_has_what_the_table_says() {
         let folder = tempfile::tempdir().unwrap();
         write_wedges(folder.path());
         let evaluation = evaluated(folder.path(), "queries");
@@ -430,7 +428,7 @@ mod tests {
         assert_eq!(evaluation.confusion, [pair]);
         let errors = evaluation.poses.unwrap().errors.unwrap();
         assert_eq!(errors.trials, 1, "only the one that was named right and has a true pose");
-        assert!(errors.worst_deg > 170.0, "the truth is told wrong by half a turn: {errors}");
+        assert!(errors.worst_deg > 170.0, "the truth is wrong by half a turn: {errors}");
     }
 
     #[test]

@@ -3,68 +3,73 @@
 use serde_json::{Map, Value};
 
 use super::EvaluateError;
-use crate::database::options::{DocumentError, Kind, Options};
-use landmarkd_core::recognition::landmarks::LandmarkOptions;
+use crate::database::options::{
+    DocumentError, Kind, LandmarkOptionsDocument, ObjectOptionsDocument, Options, OptionsDocument,
+    refuse_null,
+};
 
 /// The options as the document they are kept as.
 pub(super) fn document_of(options: &Options) -> Value {
     serde_json::from_str(&options.to_document()).unwrap_or_default()
 }
 
-/// The default options of a kind with the given `NAME=VALUE` laid over them; a value is JSON, or else a word. Defaults
-/// of landmarks are those of the method and viewpoint that are given.
+/// The default options of a kind changed by the given `NAME=VALUE`; a value is JSON, or else a word. Defaults of landmarks
+/// are those of the method and viewpoint that are given.
+///
+/// # Errors
+/// An option that is unknown, of the wrong type, or that can't be used with the others.
 pub(super) fn options_with(kind: Kind, given: &[String]) -> Result<Options, EvaluateError> {
-    let given: Vec<(&str, Value)> = given.iter().map(|pair| read_pair(pair)).collect::<Result<_, _>>()?;
-    let read = |document: &Map<String, Value>| {
-        Options::from_document(kind, &Value::from(document.clone()).to_string())
-    };
-    let mut defaults = Options::default_of(kind);
-    if let Options::Landmarks(options) = &mut defaults {
-        let mut pair = Map::from_iter([("method".into(), Value::from("placement"))]);
-        for (option, value) in given.iter().filter(|(option, _)| ["method", "viewpoint"].contains(option)) {
-            pair.insert((*option).into(), value.clone());
-            match read(&pair) {
-                Ok(Options::Landmarks(read)) => *options = LandmarkOptions::of(read.method, read.viewpoint),
-                Err(source @ DocumentError::Malformed { .. }) => {
-                    let (option, value) = ((*option).into(), value.clone());
-                    return Err(EvaluateError::OptionType { option, value, source });
-                }
-                Err(source) => return Err(EvaluateError::Options { source }),
-                Ok(Options::Objects(_)) => {}
-            }
+    let pairs = given
+        .iter()
+        .map(|pair| read_pair(pair).ok_or_else(|| EvaluateError::NotAnOption { given: pair.clone() }));
+    let given: Vec<(&str, Value)> = pairs.collect::<Result<_, _>>()?;
+    let defaults = Options::default_of(kind);
+    let known: Map<String, Value> = serde_json::to_value(OptionsDocument::from(&defaults))
+        .and_then(serde_json::from_value)
+        .unwrap_or_default();
+    for (option, value) in &given {
+        if !known.contains_key(*option) {
+            let known = known.keys().cloned().collect::<Vec<_>>().join(", ");
+            return Err(EvaluateError::UnknownOption { option: (*option).into(), known });
         }
+        // Each is read by itself, so that the error names the one at fault.
+        let alone = Map::from_iter([((*option).to_owned(), value.clone())]);
+        patched(defaults.clone(), alone).map_err(|source| {
+            let source = DocumentError::Malformed { source };
+            EvaluateError::OptionType { option: (*option).into(), value: value.clone(), source }
+        })?;
     }
-    let mut document: Map<String, Value> = document_of(&defaults).as_object().cloned().unwrap_or_default();
-    // Documents name these only where they are on.
-    match kind {
-        Kind::Objects => document.insert("segment".into(), Value::from(false)),
-        Kind::Landmarks => document.insert("position_prior_px".into(), Value::Null),
-    };
-    for (option, value) in given {
-        if !document.contains_key(option) {
-            let known = document.keys().cloned().collect::<Vec<_>>().join(", ");
-            return Err(EvaluateError::UnknownOption { option: option.into(), known });
-        }
-        document.insert(option.into(), value.clone());
-        // Types are asked for one option at a time, so that the one at fault is named; whether all of them go
-        // together is asked at the end.
-        if let Err(source @ DocumentError::Malformed { .. }) = read(&document) {
-            return Err(EvaluateError::OptionType { option: option.into(), value, source });
-        }
-    }
-    read(&document).map_err(|source| EvaluateError::Options { source })
+    let all = given.into_iter().map(|(option, value)| (option.to_owned(), value)).collect();
+    patched(defaults, all)
+        .map_err(|source| DocumentError::Malformed { source })
+        .and_then(Options::usable)
+        .map_err(|source| EvaluateError::Options { source })
 }
 
-fn read_pair(pair: &str) -> Result<(&str, Value), EvaluateError> {
-    let (option, text) =
-        pair.split_once('=').ok_or_else(|| EvaluateError::NotAnOption { given: pair.into() })?;
-    Ok((option, serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))))
+/// The options `base` changed by the members, whether or not they can be used together.
+fn patched(base: Options, members: Map<String, Value>) -> Result<Options, serde_json::Error> {
+    refuse_null(&members)?;
+    let members = Value::Object(members);
+    Ok(match base {
+        Options::Landmarks(base) => {
+            Options::Landmarks(serde_json::from_value::<LandmarkOptionsDocument>(members)?.patch(base))
+        }
+        Options::Objects(base) => {
+            Options::Objects(serde_json::from_value::<ObjectOptionsDocument>(members)?.over(base))
+        }
+    })
+}
+
+/// The name and the value of `NAME=VALUE`; a value is JSON, or else a word. `None` without `=`.
+pub(super) fn read_pair(pair: &str) -> Option<(&str, Value)> {
+    let (option, text) = pair.split_once('=')?;
+    Some((option, serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::recognition::landmarks::{Method, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, ObjectOptions};
 
     fn with(kind: Kind, pairs: &[&str]) -> Result<Options, EvaluateError> {

@@ -1,10 +1,11 @@
-//! Content negotiation: which of the types we can give the client asked for.
+//! Content negotiation (RFC 9110, 12): the media type that the client prefers of those that a call gives.
 
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::Response;
 
 use super::problem::{Code, Problem};
 
-/// The best of `offered` (first = ours by preference) for the request's `Accept`; the first when there is none. An
+/// The best of `offered` (the service's preference first) for the request's `Accept`; the first when there is none. An
 /// offer may have parameters: `image/png; preview=turbo`.
 ///
 /// # Errors
@@ -36,6 +37,12 @@ pub fn choose(headers: &HeaderMap, offered: &[&'static str]) -> Result<&'static 
             format!("this call gives {}: accept one of them", offered.join(", ")),
         )
     })
+}
+
+/// The response, marked as one that depends on `Accept`.
+pub fn vary(mut response: Response) -> Response {
+    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
+    response
 }
 
 /// A media type or a range of them, with its parameters, in lower case.

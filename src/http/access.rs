@@ -1,5 +1,5 @@
-//! The one layer that asks who calls, around every route: what a call needs stands with its handler, as `security` in
-//! the OpenAPI document, and is read from there. What stands nowhere needs everything.
+//! The middleware that authorises calls, around every route. The scope that a call needs stands with its handler, as
+//! `security` in the OpenAPI document, and is read from there. A call that stands nowhere needs scope `admin`.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -16,25 +16,25 @@ use axum::response::{IntoResponse, Response};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{Components, OpenApi, PathItem};
 
+use super::middleware::RequestId;
 use super::problem::{Code, Problem};
-use super::rim::RequestId;
 use super::{Service, console};
-use crate::access::{Actor, Caller, Denied, Scope};
+use crate::access::{Caller, Denied, Scope};
 use crate::compute;
 
 /// Name of the security scheme in the document.
 const SCHEME: &str = "key";
-/// What the router has beside the calls of the document: the document itself, and the pages that show it. They and the
-/// console are the same for everybody and hold nothing that was told to the service: no key is needed.
+/// Routes beside the calls of the document: the document itself, and the pages that show it. They and the console are the
+/// same for everybody and hold no data of the service: no key is needed.
 const PAGES: [&str; 4] = ["/openapi.json", "/docs", "/docs/", "/docs/{*rest}"];
 
-/// What each call needs, by route and method; none where no key is needed.
-pub struct Needs {
+/// The scope that each call needs, by route and method; none where no key is needed.
+pub struct Requirements {
     calls: HashMap<(String, Method), Option<Scope>>,
 }
 
-impl Needs {
-    /// As the document says.
+impl Requirements {
+    /// Those in the document.
     pub fn of(document: &OpenApi) -> Self {
         let mut calls = HashMap::new();
         for (route, item) in &document.paths.paths {
@@ -56,10 +56,10 @@ impl Needs {
         Self { calls }
     }
 
-    /// What a call needs; `route` is none for an address that no route has: there is nothing, and any key may hear so.
-    fn need(&self, route: Option<&str>, method: &Method) -> Option<Scope> {
+    /// The scope that a call needs. `route` is none for an address that no route has: any key may learn that.
+    fn scope(&self, route: Option<&str>, method: &Method) -> Option<Scope> {
         let Some(route) = route else { return Some(Scope::Recognise) };
-        // Who may GET may HEAD.
+        // HEAD needs what GET needs.
         let method = if *method == Method::HEAD { Method::GET } else { method.clone() };
         self.calls.get(&(route.to_owned(), method)).copied().unwrap_or(Some(Scope::Admin))
     }
@@ -76,7 +76,7 @@ fn operations(item: &PathItem) -> Vec<(Method, &utoipa::openapi::path::Operation
     all.into_iter().filter_map(|(method, operation)| Some((method, operation.as_ref()?))).collect()
 }
 
-/// Say in the document how a key is sent.
+/// Describes in the document how a key is sent.
 pub fn describe(document: &mut OpenApi) {
     let mut http = Http::new(HttpAuthScheme::Bearer);
     http.description = Some(
@@ -88,22 +88,22 @@ pub fn describe(document: &mut OpenApi) {
     components.add_security_scheme(SCHEME, SecurityScheme::Http(http));
 }
 
-/// Lets a call in, or says why not; the handlers find the [`Caller`] in the request.
-pub async fn ask(
-    State((service, needs)): State<(Service, Arc<Needs>)>,
+/// Admits a call, or answers why not. The handlers find the [`Caller`] in the request.
+pub async fn authorise(
+    State((service, requirements)): State<(Service, Arc<Requirements>)>,
     request: Request,
     next: Next,
 ) -> Response {
     let (mut parts, body) = request.into_parts();
-    match admit(&service, &needs, &mut parts).await {
+    match admit(&service, &requirements, &mut parts).await {
         Ok(None) => next.run(Request::from_parts(parts, body)).await,
         Ok(Some(caller)) => {
-            let party = caller.key_number().map_or(compute::Party::Anyone, compute::Party::Key);
+            let principal = caller.key_number().map_or(compute::Principal::Anyone, compute::Principal::Key);
             parts.extensions.insert(caller.clone());
-            let answering = compute::on_behalf_of(party, next.run(Request::from_parts(parts, body)));
+            let responding = compute::on_behalf_of(principal, next.run(Request::from_parts(parts, body)));
             tokio::select! {
-                answer = answering => answer,
-                // What a batch added until then stays.
+                response = responding => response,
+                // A key was revoked while its call ran: what a batch added until then stays.
                 () = service.keyring.revoked(&caller) => refuse(denied(Denied::Unknown)),
             }
         }
@@ -120,13 +120,18 @@ fn refuse(problem: Problem) -> Response {
     response
 }
 
-async fn admit(service: &Service, needs: &Needs, parts: &mut Parts) -> Result<Option<Caller>, Problem> {
+async fn admit(
+    service: &Service,
+    requirements: &Requirements,
+    parts: &mut Parts,
+) -> Result<Option<Caller>, Problem> {
     let route = parts.extensions.get::<MatchedPath>().map(|route| route.as_str().to_owned());
-    let Some(need) = needs.need(route.as_deref(), &parts.method) else { return Ok(None) };
-    if !service.keyring.asks() {
-        keep_strange_pages_out(parts, service.insecure)?;
+    let Some(need) = requirements.scope(route.as_deref(), &parts.method) else { return Ok(None) };
+    if !service.keyring.requires_key() {
+        refuse_foreign_pages(parts, service.insecure)?;
     }
-    let caller = service.keyring.admit(bearer(&parts.headers)).map_err(denied)?;
+    let request_id = parts.extensions.get::<RequestId>().map(|id| id.0.clone());
+    let caller = service.keyring.admit(bearer(&parts.headers)).map_err(denied)?.with_request_id(request_id);
     if !caller.may(need) {
         return Err(Problem::new(
             Code::NotAllowed,
@@ -141,9 +146,9 @@ async fn admit(service: &Service, needs: &Needs, parts: &mut Parts) -> Result<Op
     Ok(Some(caller))
 }
 
-/// A service that asks for no key is reached by every page that a browser on this machine shows. A page of another
-/// origin says so in `Origin`; one that had its own name lead here (DNS rebinding) gives that name as the host.
-fn keep_strange_pages_out(parts: &Parts, by_any_name: bool) -> Result<(), Problem> {
+/// Refuses pages of other sites. A service that asks for no key is reached by every page that a browser on this machine
+/// shows: a page of another origin has it in `Origin`, one that uses DNS rebinding has its own name as the host.
+fn refuse_foreign_pages(parts: &Parts, any_host: bool) -> Result<(), Problem> {
     let text = |name| parts.headers.get(name).and_then(|value| value.to_str().ok());
     let authority = parts.uri.authority().map(Authority::as_str).or_else(|| text(HOST));
     let origin = parts.headers.contains_key(ORIGIN).then(|| {
@@ -153,9 +158,9 @@ fn keep_strange_pages_out(parts: &Parts, by_any_name: bool) -> Result<(), Proble
     let is_foreign = origin.is_some_and(|origin| origin.as_ref().map(Authority::as_str) != authority);
     let host = authority.and_then(|authority| authority.parse::<Authority>().ok());
     let host = host.as_ref().map(|host| host.host().trim_matches(['[', ']']));
-    // Programs that send no host are no browsers.
+    // A browser always sends a host.
     let is_here = host.is_none_or(|host| host == "localhost" || host.parse::<IpAddr>().is_ok());
-    if is_foreign || !(is_here || by_any_name) {
+    if is_foreign || !(is_here || any_host) {
         return Err(Problem::new(
             Code::NotAllowed,
             "without keys only this machine is let in, by localhost or an address, and no page of another site: make a \
@@ -165,7 +170,10 @@ fn keep_strange_pages_out(parts: &Parts, by_any_name: bool) -> Result<(), Proble
     Ok(())
 }
 
-/// Refuse what the caller's key doesn't reach.
+/// Whether the caller's key reaches the database.
+///
+/// # Errors
+/// 403 when it doesn't.
 pub fn reach(caller: &Caller, database: &str) -> Result<(), Problem> {
     if caller.reaches(database) {
         return Ok(());
@@ -173,7 +181,7 @@ pub fn reach(caller: &Caller, database: &str) -> Result<(), Problem> {
     Err(Problem::new(Code::NotAllowed, format!("the key isn't for database {database}")))
 }
 
-/// The key of a call; anything else that stands there is no key.
+/// The bearer token of a call, if it has one.
 fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, key) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
     scheme.eq_ignore_ascii_case("bearer").then(|| key.trim())
@@ -198,26 +206,11 @@ fn denied(denied: Denied) -> Problem {
     }
 }
 
-/// The caller, and the call's id, for the record.
-pub struct Who {
-    pub caller: Caller,
-    request_id: Option<String>,
-}
-
-impl Who {
-    /// The caller as the record names it.
-    pub fn actor(&self) -> Actor {
-        self.caller.actor(self.request_id.clone())
-    }
-}
-
-impl FromRequestParts<Service> for Who {
+impl FromRequestParts<Service> for Caller {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, _service: &Service) -> Result<Self, Problem> {
         let nobody = || Problem::new(Code::Internal, "the call came past the layer that asks for keys");
-        let caller = parts.extensions.get::<Caller>().cloned().ok_or_else(nobody)?;
-        let request_id = parts.extensions.get::<RequestId>().map(|id| id.0.clone());
-        Ok(Self { caller, request_id })
+        parts.extensions.get::<Self>().cloned().ok_or_else(nobody)
     }
 }

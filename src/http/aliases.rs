@@ -8,13 +8,13 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::Service;
-use super::access::Who;
-use super::databases::DatabasePath;
 use super::extract::{Json as JsonIn, Path};
 use super::pages::Page;
+use super::paths::DatabasePath;
 use super::preconditions::Tags;
 use super::problem::{Code, Problem};
+use super::{Service, put_status};
+use crate::access::Caller;
 use crate::database::{AliasExpectation, AliasRow, DatabaseError, Name};
 
 /// The alias that a call is about.
@@ -61,7 +61,7 @@ fn with_etag(status: StatusCode, row: AliasRow) -> Response {
     (status, [(header::ETAG, etag)], Json(AliasBody::from(row))).into_response()
 }
 
-/// What `If-Match` and `If-None-Match` say the alias is now.
+/// The state of the alias that `If-Match` and `If-None-Match` expect.
 async fn expected(
     service: &Service,
     path: &AliasPath,
@@ -77,8 +77,8 @@ async fn expected(
     }
     let Some(tags) = Tags::of(headers, header::IF_MATCH)? else { return Ok(AliasExpectation::Any) };
     match service.databases.alias(&path.database, &path.alias).await {
-        // It may be another one once it is written: the revision that was seen is what is expected then.
-        Ok(row) if tags.hold(&etag(row.revision)) => Ok(AliasExpectation::Revision(row.revision)),
+        // The alias may change before it is written: the write expects the revision that was read here.
+        Ok(row) if tags.matches(&etag(row.revision)) => Ok(AliasExpectation::Revision(row.revision)),
         Ok(_) | Err(DatabaseError::UnknownAlias { .. }) => Err(DatabaseError::PreconditionFailed.into()),
         Err(error) => Err(error.into()),
     }
@@ -96,17 +96,17 @@ async fn expected(
 )]
 pub async fn put(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<AliasPath>,
     headers: HeaderMap,
     JsonIn(new): JsonIn<NewAlias>,
 ) -> Result<Response, Problem> {
     service.databases.get(&path.database).await?;
     let expected = expected(&service, &path, &headers).await?;
-    let actor = who.actor();
+    let actor = caller.actor();
     let set = service.databases.set_alias(&path.database, &path.alias, new.version, expected, &actor);
     let (row, created) = set.await?;
-    Ok(with_etag(if created { StatusCode::CREATED } else { StatusCode::OK }, row))
+    Ok(with_etag(put_status(created), row))
 }
 
 /// One alias.
@@ -133,7 +133,7 @@ pub async fn list(
 ) -> Result<Json<Page<AliasBody>>, Problem> {
     service.databases.get(&path.database).await?;
     let rows = service.databases.aliases(&path.database).await?;
-    Ok(Json(Page { items: rows.into_iter().map(AliasBody::from).collect(), next_cursor: None }))
+    Ok(Json(Page::whole(rows)))
 }
 
 /// Delete an alias; its version stays.
@@ -144,12 +144,12 @@ pub async fn list(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<AliasPath>,
     headers: HeaderMap,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
     let expected = expected(&service, &path, &headers).await?;
-    service.databases.delete_alias(&path.database, &path.alias, expected, &who.actor()).await?;
+    service.databases.delete_alias(&path.database, &path.alias, expected, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -8,12 +8,11 @@ use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
-use super::access::Who;
 use super::extract::Query;
-use super::keys::for_all;
-use super::pages::{self, Page};
+use super::keys::unconfined;
+use super::pages::{Page, Paging};
 use super::problem::Problem;
-use crate::access::{AuditFilter, AuditRow};
+use crate::access::{AuditFilter, AuditRow, Caller};
 
 /// Which entries are meant.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -82,12 +81,11 @@ impl From<AuditRow> for AuditBody {
 )]
 pub async fn list(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Query(query): Query<AuditQuery>,
 ) -> Result<Json<Page<AuditBody>>, Problem> {
-    for_all(&who)?;
-    let limit = pages::limit(query.limit)?;
-    let before = pages::after(query.cursor.as_deref())?;
+    unconfined(&caller)?;
+    let Paging { limit, after: before } = Paging::read(query.limit, query.cursor.as_deref())?;
     let AuditQuery { database, key, action, .. } = query;
     let rows = service.keyring.audit(&AuditFilter { database, key, action }, before, limit).await?;
     Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), AuditBody::from)))

@@ -1,4 +1,4 @@
-//! Request bodies under their limits of size and time.
+//! Request bodies under their limits of size, time and memory.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,21 +10,21 @@ use bytes::Bytes;
 use http_body_util::{BodyExt, LengthLimitError, Limited};
 
 use super::problem::{Code, Problem};
-use crate::compute::Party;
+use crate::compute::Principal;
 
-/// Memory for bodies that are being read or worked on, all requests together. A caller that is known by its key has at
-/// most half of it, so that none locks the others out.
+/// Memory for bodies that are being read or worked on, all requests together. The calls with one key have at most half of
+/// it, so that none locks the others out.
 #[derive(Clone)]
 pub struct BodyBudget {
-    held: Arc<Mutex<HashMap<Party, u64>>>,
+    held: Arc<Mutex<HashMap<Principal, u64>>>,
     most_bytes: u64,
 }
 
 /// A share of the budget, given back when dropped.
 #[derive(Debug)]
 pub struct BodyShare {
-    held: Arc<Mutex<HashMap<Party, u64>>>,
-    party: Party,
+    held: Arc<Mutex<HashMap<Principal, u64>>>,
+    principal: Principal,
     bytes: u64,
 }
 
@@ -37,7 +37,7 @@ impl BodyBudget {
         Self { held: Arc::default(), most_bytes: bytes.max(LEAST_BYTES) }
     }
 
-    /// Room for a body: for the length it declares, or for the most it may have.
+    /// Takes room for a body: for the length it declares, or for the most it may have.
     ///
     /// # Errors
     /// 413 when it declares more than `max_bytes`, 503 when the bodies of others fill the budget, or those of the same
@@ -45,46 +45,56 @@ impl BodyBudget {
     pub fn admit(&self, headers: &HeaderMap, max_bytes: u64) -> Result<BodyShare, Problem> {
         refuse_declared(headers, max_bytes)?;
         let bytes = declared(headers).unwrap_or(max_bytes).clamp(LEAST_BYTES, self.most_bytes);
-        let party = Party::current();
+        let principal = Principal::current();
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let (all, own) = (held.values().sum::<u64>(), held.get(&party).copied().unwrap_or(0));
+        let (all, own) = (held.values().sum::<u64>(), held.get(&principal).copied().unwrap_or(0));
         // A body larger than half goes through alone.
-        let is_too_much = party != Party::Anyone && own > 0 && own + bytes > self.most_bytes / 2;
+        let is_too_much = principal != Principal::Anyone && own > 0 && own + bytes > self.most_bytes / 2;
         if all + bytes > self.most_bytes || is_too_much {
             return Err(Problem::new(
                 Code::Overloaded,
                 "the bodies of other requests fill the memory set aside for them: try again a little later",
             ));
         }
-        held.insert(party, own + bytes);
-        Ok(BodyShare { held: Arc::clone(&self.held), party, bytes })
+        held.insert(principal, own + bytes);
+        Ok(BodyShare { held: Arc::clone(&self.held), principal, bytes })
     }
 }
 
 impl Drop for BodyShare {
     fn drop(&mut self) {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(own) = held.get_mut(&self.party) {
+        if let Some(own) = held.get_mut(&self.principal) {
             *own -= self.bytes;
             if *own == 0 {
-                held.remove(&self.party);
+                held.remove(&self.principal);
             }
         }
     }
 }
 
-/// The body, whole, if it is at most `max_bytes` long and comes within `patience`.
+/// The whole body, if it is at most `max_bytes` long and comes within `timeout`.
 ///
 /// # Errors
 /// 413, 408, or 400 for a body that breaks off.
-pub async fn read_whole(body: Body, max_bytes: u64, patience: Duration) -> Result<Bytes, Problem> {
+pub async fn read_whole(body: Body, max_bytes: u64, timeout: Duration) -> Result<Bytes, Problem> {
     let whole = Limited::new(body, max_bytes as usize).collect();
-    match tokio::time::timeout(patience, whole).await {
-        Ok(Ok(whole)) => Ok(whole.to_bytes()),
-        Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large(max_bytes)),
-        Ok(Err(error)) => Err(Problem::new(Code::MalformedRequest, format!("the body broke off: {error}"))),
-        Err(_) => Err(too_slow(patience)),
+    match in_time(timeout, whole).await? {
+        Ok(whole) => Ok(whole.to_bytes()),
+        Err(error) if error.is::<LengthLimitError>() => Err(too_large(max_bytes)),
+        Err(error) => Err(Problem::new(Code::MalformedRequest, format!("the body broke off: {error}"))),
     }
+}
+
+/// The output of `read`, if it comes within `timeout`.
+///
+/// # Errors
+/// 408 when it doesn't.
+pub async fn in_time<T>(timeout: Duration, read: impl Future<Output = T>) -> Result<T, Problem> {
+    tokio::time::timeout(timeout, read).await.map_err(|_| {
+        let text = format!("the body did not come within {} s: send it again", timeout.as_secs());
+        Problem::new(Code::BodyTimeout, text)
+    })
 }
 
 /// The body as a stream of at most `max_bytes`.
@@ -108,7 +118,7 @@ fn refuse_declared(headers: &HeaderMap, max_bytes: u64) -> Result<(), Problem> {
 }
 
 /// Whether the cause of an error is a body over its limit.
-pub fn ran_over(error: &(dyn std::error::Error + 'static)) -> bool {
+pub fn is_over_limit(error: &(dyn std::error::Error + 'static)) -> bool {
     std::iter::successors(Some(error), |error| error.source()).any(|error| error.is::<LengthLimitError>())
 }
 
@@ -120,14 +130,6 @@ pub fn too_large(max_bytes: u64) -> Problem {
             "the body is larger than {} MiB, the limit for this call (see GET /v1/info): send less at once",
             max_bytes >> 20
         ),
-    )
-}
-
-/// The problem of a body that doesn't come.
-pub fn too_slow(patience: Duration) -> Problem {
-    Problem::new(
-        Code::BodyTimeout,
-        format!("the body did not come within {} s: send it again", patience.as_secs()),
     )
 }
 
@@ -158,7 +160,7 @@ mod tests {
         let headers = HeaderMap::from_iter([(header::CONTENT_LENGTH, "200000".parse().unwrap())]);
         let admit = |key: u64| {
             let asked = async { budget.admit(&headers, 16 << 20) };
-            on_behalf_of(Party::Key(key), asked)
+            on_behalf_of(Principal::Key(key), asked)
         };
         let held = [admit(1).await.unwrap(), admit(1).await.unwrap()];
         assert_eq!(admit(1).await.err().unwrap().code, Code::Overloaded);

@@ -8,17 +8,20 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 
-use super::Service;
-use super::access::Who;
 use super::depth_maps::decoded_pair;
 use super::extract::{Json as JsonIn, Path, Query};
-use super::optics::{OpticsBody, told_mm};
-use super::options::DepthMethodWord;
+use super::optics::{OpticsBody, rounded_mm};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, FieldError, Problem};
 use super::uploads::{KnownParts, Picture};
+use super::{Service, put_status};
+use crate::access::Caller;
 use crate::compute::Lane;
-use crate::database::{Name, Rig};
+use crate::database::Name;
+use crate::database::calibrations::{
+    CALIBRATION_DOCUMENT_VERSION, FiltersDocument, ImageDocument, NoiseDocument, PhotometricDocument,
+    RegistrationDocument, ResidualDocument, Rig, TableDocument,
+};
 use landmarkd_core::depth::{Calibration, RegistrationTarget};
 use landmarkd_core::imaging::{self, DecodeLimits};
 
@@ -38,18 +41,18 @@ pub struct CalibrationBody {
     /// Version of the document's shape.
     pub version: u32,
     /// The pictures that it holds for; null before anything was measured.
-    pub image: Option<ImageBody>,
+    pub image: Option<ImageDocument>,
     /// What it is measured by: as described, or fitted to a sweep.
     pub optics: OpticsBody,
     /// The optics as described, if it was fitted to a sweep since; else null.
     pub stated_optics: Option<OpticsBody>,
-    pub registration: Option<RegistrationBody>,
-    pub photometric: Option<PhotometricBody>,
-    pub noise: Option<NoiseBody>,
+    pub registration: Option<RegistrationDocument>,
+    pub photometric: Option<PhotometricDocument>,
+    pub noise: Option<NoiseDocument>,
     /// What the table was measured with.
-    pub filters: Option<FiltersBody>,
-    pub table: Option<TableBody>,
-    pub residual: Option<ResidualBody>,
+    pub filters: Option<FiltersDocument>,
+    pub table: Option<TableDocument>,
+    pub residual: Option<ResidualDocument>,
     /// The distance that the near-focused picture is focused at.
     pub near_focus_mm: f64,
     /// The distance that the far-focused picture is focused at.
@@ -64,78 +67,6 @@ pub struct CalibrationBody {
     pub updated_at: Timestamp,
 }
 
-/// Size of the pictures in pixels, and bits a sample.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct ImageBody {
-    pub width: usize,
-    pub height: usize,
-    pub bits: u8,
-}
-
-/// How the far-focused picture is brought into register.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct RegistrationBody {
-    /// a, b, c, d, e, f: the far pixel (a·x + b·y + c, d·x + e·y + f) shows what the near pixel (x, y) shows.
-    pub affine_far_to_near: [f64; 6],
-    /// What is left between both.
-    pub rms_px: f64,
-}
-
-/// Offsets and gain of the two sensors, in grey levels of 255.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct PhotometricBody {
-    pub dark_near: f64,
-    pub dark_far: f64,
-    /// What the far-focused picture, without its dark level, is multiplied by.
-    pub gain_far: f64,
-}
-
-/// Noise of a pixel: variance = read_sigma² + shot_gain · level, in grey levels of 255.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct NoiseBody {
-    pub read_sigma: f64,
-    pub shot_gain: f64,
-}
-
-/// The filters that the table was measured with.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct FiltersBody {
-    pub method: DepthMethodWord,
-    /// Side of the kernels.
-    #[serde(rename = "K")]
-    pub side: usize,
-    /// Pairs of kernels.
-    #[serde(rename = "J")]
-    pub rank: usize,
-    /// Highest frequency that they let pass, cycles a pixel.
-    pub band: f64,
-    /// By how much the pictures are shrunk first.
-    pub scale: u32,
-    pub hash: String,
-}
-
-/// From what the method says to what is true, by planes at known depths.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct TableBody {
-    /// Where the planes are between the focus distances: 1 near, −1 far.
-    pub beta: Vec<f64>,
-    /// What the method said.
-    pub raw: Vec<f64>,
-    /// Standard deviation of that over the plane.
-    pub sigma: Vec<f64>,
-    pub depth_mm: Vec<f64>,
-}
-
-/// What is left of the planes' depths after the table.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct ResidualBody {
-    pub rms_mm: f64,
-    pub max_mm: f64,
-}
-
-/// Version of the document's shape.
-const SHAPE: u32 = 1;
-
 impl From<Rig> for CalibrationBody {
     fn from(rig: Rig) -> Self {
         let advice = rig.advice();
@@ -143,41 +74,17 @@ impl From<Rig> for CalibrationBody {
             rig.calibration;
         Self {
             name: rig.name,
-            version: SHAPE,
-            image: image.map(|image| ImageBody {
-                width: image.width_px,
-                height: image.height_px,
-                bits: image.bits,
-            }),
-            registration: registration.map(|registration| RegistrationBody {
-                affine_far_to_near: registration.affine_far_to_near,
-                rms_px: registration.rms_px,
-            }),
-            photometric: photometric.map(|photometric| PhotometricBody {
-                dark_near: photometric.dark_near,
-                dark_far: photometric.dark_far,
-                gain_far: photometric.gain_far,
-            }),
-            noise: noise.map(|noise| NoiseBody { read_sigma: noise.read_sigma, shot_gain: noise.shot_gain }),
-            filters: filters.map(|filters| FiltersBody {
-                method: filters.method.into(),
-                side: filters.side,
-                rank: filters.rank,
-                band: filters.band,
-                scale: 1 << filters.halvings,
-                hash: filters.hash,
-            }),
-            table: table.map(|table| TableBody {
-                beta: table.beta,
-                raw: table.raw,
-                sigma: table.sigma,
-                depth_mm: table.depth_mm,
-            }),
-            residual: residual
-                .map(|residual| ResidualBody { rms_mm: residual.rms_mm, max_mm: residual.max_mm }),
-            near_focus_mm: told_mm(optics.near_focus_mm()),
-            far_focus_mm: told_mm(optics.far_focus_mm()),
-            range_mm: told_mm(optics.range_mm()),
+            version: CALIBRATION_DOCUMENT_VERSION,
+            image: image.map(ImageDocument::from),
+            registration: registration.map(RegistrationDocument::from),
+            photometric: photometric.map(PhotometricDocument::from),
+            noise: noise.map(NoiseDocument::from),
+            filters: filters.map(FiltersDocument::from),
+            table: table.map(TableDocument::from),
+            residual: residual.map(ResidualDocument::from),
+            near_focus_mm: rounded_mm(optics.near_focus_mm()),
+            far_focus_mm: rounded_mm(optics.far_focus_mm()),
+            range_mm: rounded_mm(optics.range_mm()),
             largest_blur_px: optics.largest_blur_px(),
             optics: (&optics).into(),
             stated_optics: stated.as_ref().map(OpticsBody::from),
@@ -200,13 +107,13 @@ impl From<Rig> for CalibrationBody {
 )]
 pub async fn put(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<CalibrationPath>,
     JsonIn(body): JsonIn<Map<String, Value>>,
 ) -> Result<(StatusCode, Json<CalibrationBody>), Problem> {
     let optics = OpticsBody::read("", &body).map_err(Problem::fields)?;
-    let (rig, created) = service.databases.put_rig(&path.name, &optics, &who.actor()).await?;
-    let status = if created { StatusCode::CREATED } else { StatusCode::OK };
+    let (rig, created) = service.databases.put_rig(&path.name, &optics, &caller.actor()).await?;
+    let status = put_status(created);
     Ok((status, Json(rig.into())))
 }
 
@@ -245,10 +152,10 @@ pub async fn get(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<CalibrationPath>,
 ) -> Result<StatusCode, Problem> {
-    service.databases.delete_rig(&path.name, &who.actor()).await?;
+    service.databases.delete_rig(&path.name, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -286,12 +193,31 @@ const REGISTRATION_PARTS: [&str; 6] = ["near", "far", "dark_near", "dark_far", "
 )]
 pub async fn register(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<CalibrationPath>,
     request: Request,
 ) -> Result<Json<CalibrationBody>, Problem> {
     let rig = service.databases.rig(&path.name).await?;
     let mut parts = KnownParts::of(request, &service, &REGISTRATION_PARTS, &[]).await?;
+    let pictures = registration_pictures(&mut parts, &service)?;
+    let memory = pictures.iter().map(|(_, picture)| picture.depth_bytes).sum();
+    let (calibration, limits, share) = (rig.calibration.clone(), service.decode, parts.share);
+    let work = move || {
+        let _share = share;
+        Ok::<_, Problem>(calibration.registered(&target(&pictures, &limits)?)?)
+    };
+    let (registered, _) = service.compute.run(Lane::Maintenance, memory, work).await?;
+    Ok(Json(service.databases.update_rig(&rig, &registered?, &caller.actor()).await?.into()))
+}
+
+/// The pictures of the form under the names of their parts, `near` and `far` first.
+///
+/// # Errors
+/// Every part that is missing, unknown or comes twice; or the first that is no picture for depth.
+fn registration_pictures(
+    parts: &mut KnownParts,
+    service: &Service,
+) -> Result<Vec<(&'static str, Picture)>, Problem> {
     for pair in [["dark_near", "dark_far"], ["flat_near", "flat_far"]] {
         for [name, other] in [pair, [pair[1], pair[0]]] {
             if parts.holds(name) && !parts.holds(other) {
@@ -302,30 +228,25 @@ pub async fn register(
     }
     let (near, far) = (parts.require("near"), parts.require("far"));
     let (Some(near), Some(far), []) = (near, far, parts.faults.as_slice()) else {
-        return Err(Problem::fields(parts.faults));
+        return Err(Problem::fields(std::mem::take(&mut parts.faults)));
     };
     let mut pictures = vec![("near", near), ("far", far)];
     let others = REGISTRATION_PARTS[2..].iter();
     pictures.extend(others.filter_map(|name| Some((*name, parts.take(name)?))));
-    let judged = pictures.into_iter().map(|(name, bytes)| {
+    let checked = pictures.into_iter().map(|(name, bytes)| {
         let picture = Picture::of(bytes, &service.decode)
             .and_then(Picture::for_depth)
             .map_err(|problem| problem.in_part(name))?;
-        Ok::<_, Problem>((name, picture))
+        Ok((name, picture))
     });
-    let pictures = judged.collect::<Result<Vec<_>, _>>()?;
-    let memory = pictures.iter().map(|(_, picture)| picture.depth_bytes).sum();
-    let (calibration, limits, share) = (rig.calibration.clone(), service.decode, parts.share);
-    let work = move || {
-        let _share = share;
-        Ok::<_, Problem>(calibration.registered(&target(&pictures, &limits)?)?)
-    };
-    let (registered, _) = service.compute.run(Lane::Upkeep, memory, work).await?;
-    Ok(Json(service.databases.update_rig(&rig, &registered?, &who.actor()).await?.into()))
+    checked.collect()
 }
 
 /// The target from its pictures, the first two its own: runs on a computing thread.
-fn target(pictures: &[(&str, Picture)], limits: &DecodeLimits) -> Result<RegistrationTarget, Problem> {
+fn target(
+    pictures: &[(&'static str, Picture)],
+    limits: &DecodeLimits,
+) -> Result<RegistrationTarget, Problem> {
     let pair = decoded_pair([&pictures[0].1, &pictures[1].1], ["near", "far"], limits)?;
     let level = |name: &str| -> Result<Option<f64>, Problem> {
         let Some((_, picture)) = pictures.iter().find(|(part, _)| *part == name) else { return Ok(None) };

@@ -6,16 +6,18 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Service;
-use super::access::{Who, reach};
+use super::access::reach;
 use super::exemplars::ImageForm;
 use super::extract::Path;
 use super::problem::{Code, Problem};
 use super::regions::RegionBody;
 use super::segmentations::SegmentationTimings;
-use super::stages::Stages;
-use super::uploads::{HeaderEcho, OnePicture, RobotHeader};
+use super::stages::StageClock;
+use super::uploads::{OnePicture, RobotHeader};
 use super::workcells::WorkcellPath;
+use crate::access::Caller;
 use crate::compute::Lane;
+use crate::database::FrameHeader;
 use crate::telemetry::Work;
 use landmarkd_core::imaging;
 use landmarkd_core::workcell::centring;
@@ -24,7 +26,7 @@ use landmarkd_core::workcell::centring;
 #[derive(Debug, Serialize, ToSchema)]
 pub struct CentringBody {
     pub workcell: String,
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
     /// The region nearest the middle.
     pub region: RegionBody,
     /// Its centroid less the picture's middle, x and y.
@@ -55,17 +57,17 @@ pub struct CentringBody {
 )]
 pub async fn post(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<WorkcellPath>,
     RobotHeader(header): RobotHeader,
     picture: OnePicture,
 ) -> Result<Json<CentringBody>, Problem> {
     let kept = service.databases.workcell(&path.name).await?;
-    reach(&who.caller, kept.setup.database.as_str())?;
-    let picture = service.admitted(picture)?;
+    reach(&caller, kept.setup.database.as_str())?;
+    let picture = picture.admitted(&service)?;
     let (limits, memory, workcell) = (service.decode, picture.working_bytes, kept.setup.workcell);
     let work = move || {
-        let mut stages = Stages::begin();
+        let mut stages = StageClock::begin();
         let frame = imaging::decode(&picture.bytes, &limits)?;
         stages.end("decode");
         let centring = centring(&frame.luminance, &workcell);
@@ -74,21 +76,20 @@ pub async fn post(
     };
     let (worked, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
     let (centring, stages) = worked?;
-    stages.count(&service.metrics, Work::Workcell, queue);
+    stages.record(&service.metrics, Work::Workcell, queue);
     let centring = centring.ok_or_else(|| {
         let text = "nothing stands out from the background: bring a part into view, or change the workcell's \
                     segmentation (POST /v1/segmentations shows what it sees)";
         Problem::new(Code::NoRegion, text)
     })?;
-    let [x_px, y_px] = centring.move_px;
     Ok(Json(CentringBody {
         workcell: kept.name,
-        header: header.into(),
+        header,
         region: (&centring.region).into(),
         move_px: centring.move_px,
         move_mm: centring.move_mm,
         centred: centring.centred,
-        distance_px: x_px.hypot(y_px),
+        distance_px: centring.distance_px,
         timings_ms: SegmentationTimings::of(queue, &stages),
     }))
 }

@@ -15,15 +15,15 @@ use rust_embed::RustEmbed;
 
 use super::Service;
 use super::extract::Path;
+use super::middleware::unknown_route;
 use super::problem::{Code, Problem};
-use super::rim::unknown_route;
-use super::versions::{Freshness, unless_known};
+use super::versions::{IfNoneMatch, if_none_match};
 
-/// The routes of this file; they stand in no OpenAPI document, as they are no calls.
+/// The routes of this file. They are not in the OpenAPI document: they are pages, not calls.
 pub const PAGES: [&str; 3] = ["/", "/console/{*file}", "/problems/{code}"];
 
-/// Own scripts, styles and pictures, and calls of the service itself: nothing that a page could be made to load or tell
-/// to anybody else. Pictures that were dropped or fetched with the key are `blob:`.
+/// Own scripts, styles and pictures, and calls of the service itself: a page can load nothing from another host and send
+/// nothing to one. Pictures that were dropped or fetched with the key are `blob:`.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
                       media-src blob:; connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
 
@@ -50,9 +50,9 @@ async fn file(Path(name): Path<String>, headers: HeaderMap, request: Request) ->
 fn serve(name: &str, headers: &HeaderMap) -> Option<Result<Response, Problem>> {
     let file = Files::get(name)?;
     let tag: String = file.metadata.sha256_hash()[..16].iter().map(|byte| format!("{byte:02x}")).collect();
-    let etag = match unless_known(headers, &tag) {
-        Ok(Freshness::New(etag)) => etag,
-        Ok(Freshness::Known(response)) => return Some(Ok(response)),
+    let etag = match if_none_match(headers, &tag) {
+        Ok(IfNoneMatch::Modified(etag)) => etag,
+        Ok(IfNoneMatch::NotModified(response)) => return Some(Ok(response)),
         Err(problem) => return Some(Err(problem)),
     };
     let kind = match name.rsplit_once('.').map(|(_, extension)| extension) {
@@ -62,7 +62,7 @@ fn serve(name: &str, headers: &HeaderMap) -> Option<Result<Response, Problem>> {
         Some("svg") => "image/svg+xml",
         _ => "application/octet-stream",
     };
-    // Asked for each time, so that nobody works with the pages of the release before.
+    // Revalidated each time, so that nobody works with the pages of the release before.
     let headers = [(ETAG, etag), (CACHE_CONTROL, HeaderValue::from_static("no-cache"))];
     Some(Ok((page(kind), headers, file.data).into_response()))
 }
@@ -75,7 +75,7 @@ fn page(kind: &'static str) -> [(HeaderName, HeaderValue); 3] {
     ]
 }
 
-/// What a kind of problem is, and what to do.
+/// The page of a kind of problem: title and advice.
 #[derive(Template)]
 #[template(path = "problem.html")]
 struct ProblemPage {
@@ -83,7 +83,7 @@ struct ProblemPage {
 }
 
 async fn problem(Path(word): Path<String>) -> Result<Response, Problem> {
-    let code = Code::of_word(&word).ok_or_else(|| {
+    let code = Code::from_word(&word).ok_or_else(|| {
         let text = format!("no problem is called {word:?}: docs/operating.md lists those that there are");
         Problem::new(Code::UnknownRoute, text)
     })?;

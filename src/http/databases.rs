@@ -6,61 +6,25 @@ use axum::http::StatusCode;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use utoipa::{IntoParams, ToSchema};
+use utoipa::ToSchema;
 
-use super::Service;
-use super::access::Who;
 use super::aliases::AliasBody;
 use super::extract::{Json as JsonIn, Path, Query};
-use super::options::{self, OptionsBody};
+use super::options;
 use super::pages::{self, Page, PageQuery};
+use super::paths::DatabasePath;
 use super::problem::{Code, Problem};
-use crate::database::{CURRENT, DatabaseRow, Kind, Name, Options};
-
-/// The database that a call is about.
-#[derive(Debug, Clone, Deserialize, IntoParams)]
-#[into_params(parameter_in = Path)]
-pub struct DatabasePath {
-    /// Name of the database.
-    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
-    pub database: Name,
-}
-
-/// What a database recognises by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum KindWord {
-    /// Local appearance: places and objects on any background.
-    Landmarks,
-    /// Whole appearance: which object, and how it is turned.
-    Objects,
-}
-
-impl From<Kind> for KindWord {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Landmarks => Self::Landmarks,
-            Kind::Objects => Self::Objects,
-        }
-    }
-}
-
-impl From<KindWord> for Kind {
-    fn from(word: KindWord) -> Self {
-        match word {
-            KindWord::Landmarks => Self::Landmarks,
-            KindWord::Objects => Self::Objects,
-        }
-    }
-}
+use super::{Service, put_status};
+use crate::access::Caller;
+use crate::database::{CURRENT, DatabaseRow, Kind, Options, OptionsDocument};
 
 /// A database to create.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewDatabase {
-    pub kind: KindWord,
+    pub kind: Kind,
     /// What is absent has its default. For a database that is there: replaces its options from the next training on.
-    #[schema(value_type = Option<OptionsBody>)]
+    #[schema(value_type = Option<OptionsDocument>)]
     pub options: Option<Map<String, Value>>,
 }
 
@@ -68,9 +32,9 @@ pub struct NewDatabase {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct DatabaseBody {
     pub name: String,
-    pub kind: KindWord,
+    pub kind: Kind,
     /// Options of the next training.
-    pub options: OptionsBody,
+    pub options: OptionsDocument,
     pub created_at: Timestamp,
 }
 
@@ -96,7 +60,7 @@ impl TryFrom<DatabaseRow> for DatabaseBody {
     fn try_from(row: DatabaseRow) -> Result<Self, Problem> {
         let options = read_options(&row)?;
         Ok(Self {
-            kind: read_kind(&row)?.into(),
+            kind: options.kind(),
             name: row.name,
             options: (&options).into(),
             created_at: row.created_at,
@@ -132,15 +96,15 @@ pub fn read_options(row: &DatabaseRow) -> Result<Options, Problem> {
 )]
 pub async fn put(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<DatabasePath>,
     JsonIn(new): JsonIn<NewDatabase>,
 ) -> Result<(StatusCode, Json<DatabaseBody>), Problem> {
-    let kind = new.kind.into();
-    let options = new.options.map(|body| options::over(Options::default_of(kind), &body)).transpose()?;
+    let options =
+        new.options.map(|body| options::patched(Options::default_of(new.kind), &body)).transpose()?;
     let (row, created) =
-        service.databases.create(&path.database, kind, options.as_ref(), &who.actor()).await?;
-    let status = if created { StatusCode::CREATED } else { StatusCode::OK };
+        service.databases.create(&path.database, new.kind, options.as_ref(), &caller.actor()).await?;
+    let status = put_status(created);
     Ok((status, Json(row.try_into()?)))
 }
 
@@ -152,14 +116,14 @@ pub async fn put(
 )]
 pub async fn list(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<DatabaseBody>>, Problem> {
     let limit = pages::limit(page.limit)?;
     let rows = service.databases.list(page.cursor.as_deref(), limit).await?;
     let page = Page::of(rows, limit, |row| row.name.clone(), DatabaseBody::try_from);
     let reached =
-        |body: &Result<DatabaseBody, _>| body.as_ref().map_or(true, |body| who.caller.reaches(&body.name));
+        |body: &Result<DatabaseBody, _>| body.as_ref().map_or(true, |body| caller.reaches(&body.name));
     let items = page.items.into_iter().filter(reached).collect::<Result<_, _>>()?;
     Ok(Json(Page { items, next_cursor: page.next_cursor }))
 }
@@ -195,9 +159,9 @@ pub async fn get(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<DatabasePath>,
 ) -> Result<StatusCode, Problem> {
-    service.databases.delete(&path.database, &who.actor()).await?;
+    service.databases.delete(&path.database, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -1,6 +1,7 @@
 //! `POST /v1/depth-maps`: how far away everything is, from a near- and a far-focused picture.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Request, State};
@@ -10,16 +11,16 @@ use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use super::body::BodyShare;
 use super::extract::Query;
-use super::optics::{OpticsBody, told_mm};
-use super::options::{DepthMethodWord, DepthOptionsBody, WindowBody};
+use super::optics::{OpticsBody, rounded_mm};
+use super::options::{DepthOptionsBody, WindowBody};
 use super::problem::{FieldError, Problem};
-use super::recognitions::ms;
-use super::stages::Stages;
-use super::uploads::{HeaderEcho, KnownParts, Picture, RobotHeader};
+use super::stages::{StageClock, ms};
+use super::uploads::{KnownParts, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
-use crate::database::{FrameHeader, Name};
+use crate::database::{DepthMethodWord, FrameHeader, Name};
 use crate::telemetry::Work;
 use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
 use landmarkd_core::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
@@ -55,7 +56,7 @@ pub struct DepthForm {
 /// How far away everything is, in short.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct DepthMapBody {
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
     pub method: DepthMethodWord,
     pub window: WindowBody,
     /// The calibration that was used; null when the form had the optics.
@@ -161,7 +162,7 @@ impl PlanesQuery {
     }
 }
 
-/// What the call gives, ours by preference first.
+/// The media types that the call gives, the default first.
 const OFFERED: [&str; 5] =
     ["application/json", "image/png", "application/x-npy", "model/ply", "image/png; preview=turbo"];
 
@@ -220,7 +221,7 @@ impl Form {
     }
 }
 
-/// What a call asks for.
+/// The pictures to measure, and how.
 struct Question {
     near: Picture,
     far: Picture,
@@ -229,35 +230,35 @@ struct Question {
     form: Form,
 }
 
-/// What a computing thread makes of it.
+/// The answer of a computing thread to a question.
 struct Measured {
     summary: Summary,
     size_px: (usize, usize),
     file: Option<File>,
-    stages: Stages,
+    clock: StageClock,
 }
 
 /// Decode, measure, write: runs on a computing thread.
 fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> {
     let Question { near, far, calibration, options, form } = question;
-    let mut stages = Stages::begin();
+    let mut clock = StageClock::begin();
     let estimator = service.estimators.ready(calibration, options)?;
-    stages.end("design");
+    clock.end("design");
     let pair = decoded_pair([near, far], ["near", "far"], &service.decode)?;
-    stages.end("decode");
+    clock.end("decode");
     let map = estimator.estimate(&pair, &mut |stage| {
-        stages.end(match stage {
+        clock.end(match stage {
             Stage::Register => "register",
             Stage::Match => "match",
             Stage::Estimate => "estimate",
-            Stage::Judge => "judge",
+            Stage::Map => "judge",
         });
     })?;
     let file = form.write(&map, &pair);
     if file.is_some() {
-        stages.end("encode");
+        clock.end("encode");
     }
-    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, stages })
+    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, clock })
 }
 
 /// The focal pair of two pictures; `names` are their parts'.
@@ -306,18 +307,23 @@ pub async fn post(
 ) -> Response {
     let asked = async {
         let form = Form::wanted(&headers, &query?.0)?;
-        service.depth_map(form, robot?.0, request).await
+        depth_map(&service, form, robot?.0, request).await
     };
-    let mut response = asked.await.unwrap_or_else(Problem::into_response);
-    // A problem too: what is acceptable depends on it.
-    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
-    response
+    // Problems depend on `Accept` too: what is acceptable does.
+    accept::vary(asked.await.unwrap_or_else(Problem::into_response))
 }
 
-impl Service {
-    async fn depth_map(&self, form: Form, robot: FrameHeader, request: Request) -> Result<Response, Problem> {
-        let mut parts =
-            KnownParts::of(request, self, &["near", "far"], &["optics", "calibration", "options"]).await?;
+/// A request as a question, with the name of the calibration that it names and the room of its body.
+struct Asked {
+    question: Question,
+    calibration: Option<String>,
+    share: BodyShare,
+}
+
+impl Asked {
+    async fn read(service: &Service, form: Form, request: Request) -> Result<Self, Problem> {
+        let texts = ["optics", "calibration", "options"];
+        let mut parts = KnownParts::of(request, service, &["near", "far"], &texts).await?;
         let (near, far) = (parts.require("near"), parts.require("far"));
         let options = parts.object("options")?.unwrap_or_default();
         let (options, faults) = DepthOptionsBody::read(&options);
@@ -329,70 +335,85 @@ impl Service {
         let (name, calibration) = match rig {
             RigPart::Described(calibration) => (None, *calibration),
             RigPart::Named(name) => {
-                let kept = self.databases.rig(&name).await?;
+                let kept = service.databases.rig(&name).await?;
                 (Some(kept.name), kept.calibration)
             }
         };
         let picture = |bytes: Bytes, name| {
-            Picture::of(bytes, &self.decode)
-                .and_then(Picture::for_depth)
-                .map_err(|problem| problem.in_part(name))
+            let picture = Picture::of(bytes, &service.decode).and_then(Picture::for_depth);
+            picture.map_err(|problem| problem.in_part(name))
         };
         let (near, far) = (picture(near, "near")?, picture(far, "far")?);
-        let memory = near.depth_bytes + far.depth_bytes;
-        let (optics, method, window) = (calibration.optics, options.method, options.window);
         let question = Question { near, far, calibration, options, form };
-        let (service, share) = (self.clone(), parts.share);
-        let work = move || {
-            let _share = share;
-            measure(&question, &service)
-        };
-        let (measured, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let Measured { summary, size_px, file, stages } = measured?;
-        stages.count(&self.metrics, Work::Depth, queue);
-        if let Some(file) = file {
-            return Ok(file.into_response(&summary));
-        }
-        let [register, r#match, estimate, judge] =
-            ["register", "match", "estimate", "judge"].map(|stage| stages.ms(stage));
-        let body = DepthMapBody {
-            header: robot.into(),
-            method: method.into(),
-            window: window.into(),
-            calibration: name,
-            width_px: size_px.0,
-            height_px: size_px.1,
-            near_focus_mm: told_mm(summary.near_focus_mm),
-            far_focus_mm: told_mm(summary.far_focus_mm),
-            range_mm: told_mm(summary.far_focus_mm - summary.near_focus_mm),
-            largest_blur_px: optics.largest_blur_px(),
-            coverage: summary.coverage,
-            depth_mm: summary.depth.map(|depth| DepthSpanBody {
-                min: depth.min,
-                median: depth.median,
-                max: depth.max,
-            }),
-            noise_sigma: summary.noise_sigma,
-            shift_px: summary.shift_px,
-            gain: summary.gain,
-            flags: Flag::ALL.iter().map(|flag| flag.word()).zip(summary.flag_counts).collect(),
-            warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
-            timings_ms: DepthTimings {
-                queue: ms(queue),
-                design: stages.ms("design"),
-                decode: stages.ms("decode"),
-                total: register + r#match + estimate + judge,
-                register,
-                r#match,
-                estimate,
-                judge,
-            },
-        };
-        Ok(Json(body).into_response())
+        Ok(Self { question, calibration: name, share: parts.share })
     }
 }
 
-/// What the lens is, as a form says it.
+async fn depth_map(
+    service: &Service,
+    form: Form,
+    robot: FrameHeader,
+    request: Request,
+) -> Result<Response, Problem> {
+    let Asked { question, calibration, share } = Asked::read(service, form, request).await?;
+    let memory = question.near.depth_bytes + question.far.depth_bytes;
+    let (optics, options) = (question.calibration.optics, question.options);
+    let held = service.clone();
+    let work = move || {
+        let _share = share;
+        measure(&question, &held)
+    };
+    let (measured, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
+    let Measured { summary, size_px: (width_px, height_px), file, clock } = measured?;
+    clock.record(&service.metrics, Work::Depth, queue);
+    if let Some(file) = file {
+        return Ok(file.into_response(&summary));
+    }
+    Ok(Json(DepthMapBody {
+        header: robot,
+        method: options.method.into(),
+        window: options.window.into(),
+        calibration,
+        width_px,
+        height_px,
+        near_focus_mm: rounded_mm(summary.near_focus_mm),
+        far_focus_mm: rounded_mm(summary.far_focus_mm),
+        range_mm: rounded_mm(summary.far_focus_mm - summary.near_focus_mm),
+        largest_blur_px: optics.largest_blur_px(),
+        coverage: summary.coverage,
+        depth_mm: summary.depth.map(|depth| DepthSpanBody {
+            min: depth.min,
+            median: depth.median,
+            max: depth.max,
+        }),
+        noise_sigma: summary.noise_sigma,
+        shift_px: summary.shift_px,
+        gain: summary.gain,
+        flags: Flag::ALL.iter().map(|flag| flag.word()).zip(summary.flag_counts).collect(),
+        warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
+        timings_ms: DepthTimings::of(queue, &clock),
+    })
+    .into_response())
+}
+
+impl DepthTimings {
+    fn of(queue: Duration, clock: &StageClock) -> Self {
+        let [register, r#match, estimate, judge] =
+            ["register", "match", "estimate", "judge"].map(|stage| clock.ms(stage));
+        Self {
+            queue: ms(queue),
+            design: clock.ms("design"),
+            decode: clock.ms("decode"),
+            total: register + r#match + estimate + judge,
+            register,
+            r#match,
+            estimate,
+            judge,
+        }
+    }
+}
+
+/// The lens, as a form describes it or names its calibration.
 enum RigPart {
     Described(Box<Calibration>),
     Named(Name),
@@ -435,18 +456,18 @@ fn rig(parts: &mut KnownParts) -> Result<Option<RigPart>, Problem> {
 }
 
 impl File {
-    /// The file, with what the summary says in headers, so that nothing is hidden from those who never see it.
+    /// The file, with the parts of the summary that qualify it in headers.
     fn into_response(self, summary: &Summary) -> Response {
         let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.word()).collect();
-        let said = [
-            ("x-near-focus-mm", told_mm(summary.near_focus_mm).to_string()),
-            ("x-far-focus-mm", told_mm(summary.far_focus_mm).to_string()),
+        let fields = [
+            ("x-near-focus-mm", rounded_mm(summary.near_focus_mm).to_string()),
+            ("x-far-focus-mm", rounded_mm(summary.far_focus_mm).to_string()),
             ("x-coverage", summary.coverage.to_string()),
             ("x-warnings", warnings.join(",")),
         ];
         let step = self.step_mm.map(|mm| ("x-depth-scale-mm", mm.to_string()));
         let mut response = ([(header::CONTENT_TYPE, self.media_type)], self.bytes).into_response();
-        for (name, value) in said.into_iter().chain(step) {
+        for (name, value) in fields.into_iter().chain(step) {
             let value = HeaderValue::try_from(value).expect("numbers and words are ASCII");
             response.headers_mut().insert(HeaderName::from_static(name), value);
         }

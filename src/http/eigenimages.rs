@@ -9,7 +9,7 @@ use utoipa::IntoParams;
 use super::Service;
 use super::extract::Path;
 use super::problem::{Code, Problem};
-use super::versions::{Freshness, unless_known};
+use super::versions::{IfNoneMatch, if_none_match};
 use crate::compute::Lane;
 use crate::database::{LoadedVersion, Model, Name};
 use landmarkd_core::imaging::Image;
@@ -77,10 +77,10 @@ pub async fn get(
         let picture = picture(&version, which)?;
         Ok::<_, Problem>(png_gray8(picture.width(), picture.height(), &picture.to_gray8()))
     };
-    let png = service.compute.run(Lane::Upkeep, 0, draw).await?.0?;
-    let etag = match unless_known(&headers, &etag)? {
-        Freshness::Known(response) => return Ok(response),
-        Freshness::New(etag) => etag,
+    let png = service.compute.run(Lane::Maintenance, 0, draw).await?.0?;
+    let etag = match if_none_match(&headers, &etag)? {
+        IfNoneMatch::NotModified(response) => return Ok(response),
+        IfNoneMatch::Modified(etag) => etag,
     };
     let kind = HeaderValue::from_static("image/png");
     let cache = HeaderValue::from_static("private, no-cache");

@@ -1,5 +1,5 @@
-//! Depth estimators that were used lately. Making one ready costs more than measuring a picture, and robots ask with
-//! the same rig and options time after time.
+//! A cache of depth estimators. Designing one costs more than measuring a picture, and robots use the same rig and options
+//! time after time.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,19 +8,19 @@ use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, EstimatorError
 /// Most estimators kept: rigs of a site, or options that somebody tries out. Each holds a few hundred kilobytes.
 const MOST: usize = 16;
 
-/// What an estimator is made of.
+/// The rig and options of an estimator.
 type Key = (Calibration, DepthOptions);
 
 type Entry = (Key, Arc<Estimator>);
 
-/// The estimators used last, the latest first; cheap to clone.
+/// The estimators that were used last, the latest first; cheap to clone.
 #[derive(Clone, Default)]
 pub struct Estimators {
     kept: Arc<Mutex<Vec<Entry>>>,
 }
 
 impl Estimators {
-    /// The estimator of a rig and options, made ready if it isn't kept: for a computing thread.
+    /// The estimator of a rig and options, designed if it isn't cached: for a computing thread.
     ///
     /// # Errors
     /// [`EstimatorError`].
@@ -29,20 +29,20 @@ impl Estimators {
         calibration: &Calibration,
         options: &DepthOptions,
     ) -> Result<Arc<Estimator>, EstimatorError> {
-        let is_it = |(key, _): &Entry| key.0 == *calibration && key.1 == *options;
+        let matches = |(key, _): &Entry| key.0 == *calibration && key.1 == *options;
         // A panic elsewhere leaves the list whole: nothing here is half done while the lock is held.
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         {
             let mut kept = lock();
-            if let Some(at) = kept.iter().position(is_it) {
+            if let Some(at) = kept.iter().position(matches) {
                 kept[..=at].rotate_right(1);
                 return Ok(Arc::clone(&kept[0].1));
             }
         }
-        // Without the lock: others needn't wait. Two at once do it twice, and both are right.
+        // Without the lock, so that others needn't wait. Two at once design it twice, with the same result.
         let estimator = Arc::new(Estimator::new(calibration, options)?);
         let mut kept = lock();
-        kept.retain(|entry| !is_it(entry));
+        kept.retain(|entry| !matches(entry));
         kept.truncate(MOST - 1);
         kept.insert(0, ((calibration.clone(), *options), Arc::clone(&estimator)));
         Ok(estimator)

@@ -2,11 +2,13 @@
 //! tar archive. Streamed: at most one picture is held at a time, and one bad picture never loses the rest.
 
 use std::collections::{HashMap, HashSet};
+use std::io;
 use std::path::{Path as FilePath, PathBuf};
 
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::HeaderMap;
+use bytes::Bytes;
 use futures_util::{StreamExt, TryStreamExt};
 use serde::{Deserialize, Serialize};
 use tokio::io::{AsyncRead, AsyncReadExt};
@@ -15,9 +17,9 @@ use tokio_util::io::StreamReader;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::databases::DatabasePath;
-use super::exemplars::pose;
+use super::exemplars::{self, pose};
 use super::extract::{MAX_JSON_BYTES, Path, essence, from_json};
+use super::paths::DatabasePath;
 use super::problem::{Code, Problem, ProblemBody};
 use super::uploads::{Form, Picture, RobotHeader, too_many_parts};
 use super::{Service, body};
@@ -84,7 +86,7 @@ impl BatchBody {
         let (status, id, problem) = match outcome {
             Ok((id, true)) => (ItemStatus::Created, Some(id), None),
             Ok((id, false)) => (ItemStatus::Duplicate, Some(id), None),
-            Err(problem) if problem.code.status().is_server_error() => return Err(problem),
+            Err(problem) if problem.status().is_server_error() => return Err(problem),
             Err(problem) => (ItemStatus::Rejected, None, Some(problem.into())),
         };
         match status {
@@ -133,18 +135,17 @@ struct Batch<'a> {
     header: FrameHeader,
 }
 
+/// The bytes of a file, or why it can't be kept.
+type FileBytes = Result<Bytes, Problem>;
+
 impl Batch<'_> {
-    async fn keep(
-        &self,
-        label: &str,
-        pose_deg: Option<f64>,
-        bytes: bytes::Bytes,
-    ) -> Result<(Uuid, bool), Problem> {
+    async fn keep(&self, label: &str, pose_deg: Option<f64>, bytes: Bytes) -> Result<(Uuid, bool), Problem> {
         let label =
             Name::parse(label).map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
         let pose_deg = pose(pose_deg, "/pose_deg")?;
         let picture = Picture::of(bytes, &self.service.decode)?;
-        let kept = self.service.keep_exemplar(self.database, label, pose_deg, &picture, self.header.clone());
+        let header = self.header.clone();
+        let kept = exemplars::keep(self.service, self.database, label, pose_deg, &picture, header);
         let (row, created) = kept.await?;
         Ok((row.id, created))
     }
@@ -152,27 +153,7 @@ impl Batch<'_> {
     async fn form(&self, request: Request) -> Result<BatchBody, Problem> {
         let limits = &self.service.limits;
         let mut form = Form::of(request, self.service, limits.max_batch_bytes, limits.max_body_bytes).await?;
-        // Files that come before the manifest wait for it, as many as one body may be large.
-        let mut early = Vec::new();
-        let mut early_bytes = 0;
-        let manifest = loop {
-            let Some((name, part)) = form.next().await? else {
-                return Err(Problem::field("/manifest", "the form has no part called manifest"));
-            };
-            if name == "manifest" {
-                break part.read(MAX_JSON_BYTES).await??;
-            }
-            let read = part.read(limits.max_body_bytes).await?;
-            early_bytes += read.as_ref().map_or(0, |bytes| bytes.len() as u64);
-            if early_bytes > limits.max_body_bytes {
-                return Err(Problem::new(
-                    Code::BodyTooLarge,
-                    "too much comes before the part called manifest: send that first",
-                ));
-            }
-            early.push((name, read));
-        };
-        let manifest: Vec<ManifestLine> = from_json(&manifest)?;
+        let (manifest, early) = self.manifest(&mut form).await?;
         if manifest.len() > limits.max_batch_parts {
             return Err(too_many_parts(limits.max_batch_parts));
         }
@@ -181,28 +162,50 @@ impl Batch<'_> {
             lines.entry(&line.file).or_default().push(line);
         }
         let mut answer = BatchBody::default();
-        let mut seen = HashSet::new();
+        let mut received = HashSet::new();
         for (name, read) in early {
-            self.file(&name, &read, &lines, &mut answer).await?;
-            seen.insert(name);
+            self.form_file(&name, &read, &lines, &mut answer).await?;
+            received.insert(name);
         }
         while let Some((name, part)) = form.next().await? {
             let read = part.read(limits.max_body_bytes).await?;
-            self.file(&name, &read, &lines, &mut answer).await?;
-            seen.insert(name);
+            self.form_file(&name, &read, &lines, &mut answer).await?;
+            received.insert(name);
         }
-        for line in manifest.iter().filter(|line| !seen.contains(&line.file)) {
+        for line in manifest.iter().filter(|line| !received.contains(&line.file)) {
             let problem = Problem::field("/manifest", format!("the form has no part named {:?}", line.file));
             answer.note(line.file.clone(), Err(problem))?;
         }
         Ok(answer)
     }
 
-    /// Keep one file part under every line of the manifest that names it.
-    async fn file(
+    /// The manifest of a form, and the files that come before it: at most as much as one body.
+    async fn manifest(
+        &self,
+        form: &mut Form,
+    ) -> Result<(Vec<ManifestLine>, Vec<(String, FileBytes)>), Problem> {
+        let max_bytes = self.service.limits.max_body_bytes;
+        let (mut early, mut early_bytes) = (Vec::new(), 0);
+        while let Some((name, part)) = form.next().await? {
+            if name == "manifest" {
+                return Ok((from_json(&part.read(MAX_JSON_BYTES).await??)?, early));
+            }
+            let read = part.read(max_bytes).await?;
+            early_bytes += read.as_ref().map_or(0, |bytes| bytes.len() as u64);
+            if early_bytes > max_bytes {
+                let text = "too much comes before the part called manifest: send that first";
+                return Err(Problem::new(Code::BodyTooLarge, text));
+            }
+            early.push((name, read));
+        }
+        Err(Problem::field("/manifest", "the form has no part called manifest"))
+    }
+
+    /// Keeps one file part under every line of the manifest that names it.
+    async fn form_file(
         &self,
         name: &str,
-        read: &Result<bytes::Bytes, Problem>,
+        read: &FileBytes,
         lines: &HashMap<&str, Vec<&ManifestLine>>,
         answer: &mut BatchBody,
     ) -> Result<(), Problem> {
@@ -222,56 +225,82 @@ impl Batch<'_> {
 
     async fn tar(&self, request: Request) -> Result<BatchBody, Problem> {
         let limits = &self.service.limits;
-        let patience = limits.body_timeout;
         let (parts, body) = request.into_parts();
         let body = body::limited(&parts.headers, body, limits.max_batch_bytes)?;
         let _share = self.service.bodies.admit(&HeaderMap::new(), limits.max_body_bytes)?;
-        let reader = StreamReader::new(body.into_data_stream().map_err(std::io::Error::other));
-        let broken = |error: std::io::Error| broken_archive(&error, limits.max_batch_bytes);
-        let mut archive = Archive::new(reader);
+        let mut archive = Archive::new(StreamReader::new(body.into_data_stream().map_err(io::Error::other)));
         // Raw entries: long names come as entries of their own, which are read here under a limit.
-        let mut entries = archive.entries_raw().map_err(broken)?;
+        let mut entries = archive.entries_raw().map_err(|error| self.broken_archive(&error))?;
         let mut long_name = None;
         let mut answer = BatchBody::default();
-        loop {
-            let next = tokio::time::timeout(patience, entries.next()).await;
-            let Some(entry) = next.map_err(|_| body::too_slow(patience))? else { return Ok(answer) };
-            let mut entry = entry.map_err(broken)?;
+        while let Some(entry) = body::in_time(limits.body_timeout, entries.next()).await? {
+            let mut entry = entry.map_err(|error| self.broken_archive(&error))?;
             let kind = entry.header().entry_type();
             if kind.is_gnu_longname() || kind.is_pax_local_extensions() {
-                let read = tokio::time::timeout(patience, read_entry(&mut entry, MAX_TAR_NAME_BYTES));
-                let bytes = read.await.map_err(|_| body::too_slow(patience))?.map_err(broken)?;
-                let bytes = bytes.ok_or_else(|| {
-                    Problem::new(Code::MalformedRequest, "the archive has a file name of over 64 KiB")
-                })?;
-                long_name =
-                    if kind.is_gnu_longname() { gnu_name(&bytes) } else { pax_name(&bytes) }.or(long_name);
+                long_name = self.long_name(&mut entry).await?.or(long_name);
                 continue;
             }
-            let named = long_name.take();
-            if !kind.is_file() {
-                continue;
+            let name = long_name.take();
+            if kind.is_file() {
+                self.tar_file(&mut entry, name, &mut answer).await?;
             }
-            if answer.items.len() >= limits.max_batch_parts {
-                return Err(too_many_parts(limits.max_batch_parts));
-            }
-            let path = match named {
-                Some(name) => PathBuf::from(name),
-                None => entry.path().map_err(broken)?.into_owned(),
-            };
-            let file = path.to_string_lossy().into_owned();
-            let Some((label, pose_deg)) = label_and_pose(&path) else {
-                let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
-                answer.note(file, Err(problem))?;
-                continue;
-            };
-            let read = tokio::time::timeout(patience, read_entry(&mut entry, limits.max_body_bytes));
-            let outcome = match read.await.map_err(|_| body::too_slow(patience))?.map_err(broken)? {
-                Some(bytes) => self.keep(&label, pose_deg, bytes).await,
-                None => Err(body::too_large(limits.max_body_bytes)),
-            };
-            answer.note(file, outcome)?;
         }
+        Ok(answer)
+    }
+
+    async fn long_name<R: AsyncRead + Unpin>(&self, entry: &mut Entry<R>) -> Result<Option<String>, Problem> {
+        let bytes = self.entry_bytes(entry, MAX_TAR_NAME_BYTES).await?;
+        let too_long = || Problem::new(Code::MalformedRequest, "the archive has a file name of over 64 KiB");
+        let bytes = bytes.ok_or_else(too_long)?;
+        let is_gnu = entry.header().entry_type().is_gnu_longname();
+        Ok(if is_gnu { gnu_name(&bytes) } else { pax_name(&bytes) })
+    }
+
+    /// Keeps the file of an entry; `name` is the long name that came before it.
+    async fn tar_file<R: AsyncRead + Unpin>(
+        &self,
+        entry: &mut Entry<R>,
+        name: Option<String>,
+        answer: &mut BatchBody,
+    ) -> Result<(), Problem> {
+        let limits = &self.service.limits;
+        if answer.items.len() >= limits.max_batch_parts {
+            return Err(too_many_parts(limits.max_batch_parts));
+        }
+        let path = match name {
+            Some(name) => PathBuf::from(name),
+            None => entry.path().map_err(|error| self.broken_archive(&error))?.into_owned(),
+        };
+        let file = path.to_string_lossy().into_owned();
+        let Some((label, pose_deg)) = label_and_pose(&path) else {
+            let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
+            return answer.note(file, Err(problem));
+        };
+        let outcome = match self.entry_bytes(entry, limits.max_body_bytes).await? {
+            Some(bytes) => self.keep(&label, pose_deg, bytes).await,
+            None => Err(body::too_large(limits.max_body_bytes)),
+        };
+        answer.note(file, outcome)
+    }
+
+    /// The bytes of an entry; none when it is larger than that.
+    async fn entry_bytes<R: AsyncRead + Unpin>(
+        &self,
+        entry: &mut Entry<R>,
+        max_bytes: u64,
+    ) -> Result<Option<Bytes>, Problem> {
+        let read = body::in_time(self.service.limits.body_timeout, read_entry(entry, max_bytes)).await?;
+        read.map_err(|error| self.broken_archive(&error))
+    }
+
+    fn broken_archive(&self, error: &io::Error) -> Problem {
+        if body::is_over_limit(error) {
+            return body::too_large(self.service.limits.max_batch_bytes);
+        }
+        let text = format!(
+            "the archive can't be read: {error}; it must be an uncompressed tar. Files before the fault are kept"
+        );
+        Problem::new(Code::MalformedRequest, text)
     }
 }
 
@@ -291,29 +320,13 @@ fn pax_name(bytes: &[u8]) -> Option<String> {
     lines.find_map(|line| line.split_once(' ')?.1.strip_prefix("path=")).map(str::to_owned)
 }
 
-/// The bytes of an entry; none when it is larger than that.
-async fn read_entry<R: AsyncRead + Unpin>(
-    entry: &mut Entry<R>,
-    max_bytes: u64,
-) -> std::io::Result<Option<bytes::Bytes>> {
+async fn read_entry<R: AsyncRead + Unpin>(entry: &mut Entry<R>, max_bytes: u64) -> io::Result<Option<Bytes>> {
     if entry.effective_size() > max_bytes {
         return Ok(None);
     }
     let mut bytes = Vec::new();
     entry.take(max_bytes + 1).read_to_end(&mut bytes).await?;
     Ok((bytes.len() as u64 <= max_bytes).then(|| bytes.into()))
-}
-
-fn broken_archive(error: &std::io::Error, max_bytes: u64) -> Problem {
-    if body::ran_over(error) {
-        return body::too_large(max_bytes);
-    }
-    Problem::new(
-        Code::MalformedRequest,
-        format!(
-            "the archive can't be read: {error}; it must be an uncompressed tar. Files before the fault are kept"
-        ),
-    )
 }
 
 /// `<label>/<anything>.<ext>`, with the pose of a leaf name `…__<degrees>.<ext>`. Folders above the label don't count.

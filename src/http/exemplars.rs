@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
-use super::Service;
-use super::access::Who;
-use super::databases::DatabasePath;
 use super::extract::{Path, Query};
-use super::pages::{self, Page};
+use super::pages::{Page, Paging};
+use super::paths::DatabasePath;
 use super::problem::Problem;
-use super::uploads::{HeaderEcho, OnePicture, Picture, RobotHeader};
+use super::uploads::{OnePicture, Picture, RobotHeader};
+use super::{Service, put_status};
+use crate::access::Caller;
 use crate::compute::Lane;
 use crate::database::{ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
 use landmarkd_core::imaging::{self, DecodeError};
@@ -93,7 +93,7 @@ pub struct ExemplarBody {
     pub sha256: String,
     pub media_type: String,
     pub created_at: Timestamp,
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
 }
 
 impl From<ExemplarRow> for ExemplarBody {
@@ -108,7 +108,7 @@ impl From<ExemplarRow> for ExemplarBody {
             sha256: row.sha256,
             media_type: row.media_type,
             created_at: row.created_at,
-            header: HeaderEcho { robot_id: row.robot_id, frame_id: row.frame_id, stamp: row.stamp },
+            header: FrameHeader { robot_id: row.robot_id, frame_id: row.frame_id, stamp: row.stamp },
         }
     }
 }
@@ -125,25 +125,24 @@ pub fn pose(given: Option<f64>, at: &str) -> Result<Option<f64>, Problem> {
     }
 }
 
-impl Service {
-    /// Decode a picture once, so that only pictures are kept, and keep it. The pose is in [0, 360).
-    pub async fn keep_exemplar(
-        &self,
-        database: &Name,
-        label: Name,
-        pose_deg: Option<f64>,
-        picture: &Picture,
-        header: FrameHeader,
-    ) -> Result<(ExemplarRow, bool), Problem> {
-        let (bytes, limits, media_type) = (picture.bytes.clone(), self.decode, picture.format.media_type());
-        let check = move || {
-            let frame = imaging::decode(&bytes, &limits)?;
-            let size = (frame.width() as u32, frame.height() as u32);
-            Ok::<_, DecodeError>(NewExemplar::of(label, pose_deg, bytes, media_type, size, header))
-        };
-        let (checked, _) = self.compute.run(Lane::Upkeep, picture.working_bytes, check).await?;
-        Ok(self.databases.add_exemplar(database, checked?).await?)
-    }
+/// Decodes a picture once, so that only pictures are kept, and keeps it; the pose is in [0, 360). Returns the exemplar, and
+/// whether it is new.
+pub async fn keep(
+    service: &Service,
+    database: &Name,
+    label: Name,
+    pose_deg: Option<f64>,
+    picture: &Picture,
+    header: FrameHeader,
+) -> Result<(ExemplarRow, bool), Problem> {
+    let (bytes, limits, media_type) = (picture.bytes.clone(), service.decode, picture.format.media_type());
+    let decode = move || {
+        let frame = imaging::decode(&bytes, &limits)?;
+        let size = (frame.width() as u32, frame.height() as u32);
+        Ok::<_, DecodeError>(NewExemplar::of(label, pose_deg, bytes, media_type, size, header))
+    };
+    let (decoded, _) = service.compute.run(Lane::Maintenance, picture.working_bytes, decode).await?;
+    Ok(service.databases.add_exemplar(database, decoded?).await?)
 }
 
 /// Add a training image: the raw picture, or a form with a part `image`. The same again is the same exemplar.
@@ -172,10 +171,10 @@ pub async fn post(
 ) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
     service.databases.get(&path.database).await?;
     let pose_deg = pose(query.pose_deg, "#pose_deg")?;
-    let picture = picture.judged(&service.decode)?;
-    let kept = service.keep_exemplar(&path.database, query.label, pose_deg, &picture, header);
+    let picture = picture.checked(&service.decode)?;
+    let kept = keep(&service, &path.database, query.label, pose_deg, &picture, header);
     let (row, created) = kept.await?;
-    Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.into())))
+    Ok((put_status(created), Json(row.into())))
 }
 
 /// A form with one picture.
@@ -198,8 +197,7 @@ pub async fn list(
     Path(path): Path<DatabasePath>,
     Query(query): Query<ExemplarQuery>,
 ) -> Result<Json<Page<ExemplarBody>>, Problem> {
-    let limit = pages::limit(query.limit)?;
-    let after = pages::after(query.cursor.as_deref())?;
+    let Paging { limit, after } = Paging::read(query.limit, query.cursor.as_deref())?;
     service.databases.get(&path.database).await?;
     let ExemplarQuery { label, robot_id, since, before, .. } = query;
     let filter = ExemplarFilter { label, robot_id, since, before };
@@ -247,11 +245,11 @@ pub async fn image(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<ExemplarPath>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    service.databases.delete_exemplar(&path.database, path.id, &who.actor()).await?;
+    service.databases.delete_exemplar(&path.database, path.id, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -264,13 +262,13 @@ pub async fn delete(
 )]
 pub async fn delete_matching(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<DatabasePath>,
     Query(query): Query<DeleteQuery>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
     let DeleteQuery { label, robot_id, since, before } = query;
     let filter = ExemplarFilter { label, robot_id, since, before };
-    service.databases.delete_exemplars(&path.database, &filter, &who.actor()).await?;
+    service.databases.delete_exemplars(&path.database, &filter, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

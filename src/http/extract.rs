@@ -1,4 +1,4 @@
-//! What handlers take from a request: path, query and JSON, with problems instead of the framework's plain texts.
+//! Extractors of path, query and JSON body. They answer with problems instead of the framework's plain texts.
 
 use axum::extract::path::ErrorKind;
 use axum::extract::rejection::PathRejection;
@@ -42,7 +42,7 @@ impl<T: DeserializeOwned + Send> FromRequestParts<Service> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, _service: &Service) -> Result<Self, Problem> {
         let query = parts.uri.query().unwrap_or_default();
-        // Not every catalogue can keep or look for them, and nothing that is called by a query has one in its name.
+        // Not every catalogue can keep control characters, and no name has one.
         let mut given = form_urlencoded::parse(query.as_bytes());
         if let Some((name, _)) = given.find(|(_, value)| value.contains(char::is_control)) {
             return Err(Problem::field(format!("#{name}"), "holds a control character"));
@@ -90,7 +90,10 @@ impl<T: DeserializeOwned> FromRequest<Service> for Json<T> {
     }
 }
 
-/// Read JSON: text that doesn't parse is malformed, a value of the wrong shape is a field at fault.
+/// Reads JSON.
+///
+/// # Errors
+/// 400 for text that doesn't parse, 422 with the field at fault for a value of the wrong shape.
 pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     // Parsed as a value first, so that a syntax error behind a wrong field is still a syntax error.
     read_value(parse(bytes)?)
@@ -111,7 +114,10 @@ fn read_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, Proble
     from_value(value).map_err(|fault| Problem::fields(vec![fault]))
 }
 
-/// Read a value: what is wrong with it points to where it is wrong.
+/// Reads a value.
+///
+/// # Errors
+/// The field at fault, with its JSON pointer.
 pub fn from_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, FieldError> {
     serde_path_to_error::deserialize(value)
         .map_err(|error| FieldError { pointer: pointer(error.path()), detail: error.inner().to_string() })
@@ -127,7 +133,7 @@ fn pointer(path: &serde_path_to_error::Path) -> String {
     })
 }
 
-/// How deep brackets nest, strings left out; text that is no JSON gives some number and fails later.
+/// The depth of nested brackets outside strings. For text that is no JSON it is some number, and parsing fails later.
 fn nesting(bytes: &[u8]) -> usize {
     let (mut depth, mut deepest, mut in_string, mut escaped) = (0_usize, 0, false, false);
     for &byte in bytes {

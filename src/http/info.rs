@@ -12,7 +12,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Service;
-use super::access::Who;
+use crate::access::Caller;
 use crate::compute::Lane;
 use crate::database::registry::ServedState;
 use crate::database::{JobState, Process};
@@ -76,8 +76,8 @@ impl From<ServedState> for DatabaseReady {
     }
 }
 
-/// How long a store may take to answer before it counts as away.
-const STORE_PATIENCE: Duration = Duration::from_secs(1);
+/// Longest time that a store may take to answer before it counts as away.
+const STORE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Whether the service answers recognitions; 503 only while starting or shutting down.
 #[utoipa::path(
@@ -86,18 +86,18 @@ const STORE_PATIENCE: Duration = Duration::from_secs(1);
 )]
 pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>) {
     let (catalogue, blobs) = tokio::join!(
-        tokio::time::timeout(STORE_PATIENCE, service.databases.ping_catalogue()),
-        tokio::time::timeout(STORE_PATIENCE, service.databases.ping_blobs()),
+        tokio::time::timeout(STORE_TIMEOUT, service.databases.ping_catalogue()),
+        tokio::time::timeout(STORE_TIMEOUT, service.databases.ping_blobs()),
     );
-    let store = |well: bool| if well { StoreStatus::Ok } else { StoreStatus::Unavailable };
+    let store = |is_ok: bool| if is_ok { StoreStatus::Ok } else { StoreStatus::Unavailable };
     let (catalogue, blobs) = (store(matches!(catalogue, Ok(Ok(())))), store(matches!(blobs, Ok(Ok(())))));
     let states = service.databases.registry().states();
     let databases: Vec<DatabaseReady> = states.into_iter().map(DatabaseReady::from).collect();
-    let well = catalogue == StoreStatus::Ok
+    let is_well = catalogue == StoreStatus::Ok
         && blobs == StoreStatus::Ok
         && databases.iter().all(|database| database.state == ReadyStatus::Ready);
     let is_ready = service.ready.load(Ordering::Relaxed) && !*service.shutdown.borrow();
-    let (code, status) = match (is_ready, well) {
+    let (code, status) = match (is_ready, is_well) {
         (false, _) => (StatusCode::SERVICE_UNAVAILABLE, ReadyStatus::Starting),
         (true, true) => (StatusCode::OK, ReadyStatus::Ready),
         (true, false) => (StatusCode::OK, ReadyStatus::Degraded),
@@ -113,7 +113,7 @@ pub async fn readyz(State(service): State<Service>) -> (StatusCode, Json<Ready>)
 pub async fn metrics(State(service): State<Service>) -> Response {
     let metrics = &service.metrics;
     for (name, lane) in
-        [("recognition", Lane::Recognition), ("training", Lane::Training), ("upkeep", Lane::Upkeep)]
+        [("recognition", Lane::Recognition), ("training", Lane::Training), ("upkeep", Lane::Maintenance)]
     {
         metrics.pool_running.with_label_values(&[name]).set(service.compute.running(lane) as i64);
         metrics.pool_waiting.with_label_values(&[name]).set(service.compute.waiting(lane) as i64);
@@ -124,7 +124,7 @@ pub async fn metrics(State(service): State<Service>) -> Response {
     let (tracks, bytes) = service.tracks.held();
     metrics.tracks.set(tracks as i64);
     metrics.tracks_bytes.set(bytes as i64);
-    // With the catalogue away the numbers stay as they were last seen.
+    // With the catalogue away the last numbers stay.
     if let Ok(counted) = service.jobs.by_state().await {
         for state in JobState::ALL {
             let count = counted.iter().find(|(counted, _)| *counted == state).map_or(0, |(_, count)| *count);
@@ -201,12 +201,12 @@ pub struct LimitsBody {
 
 /// What this service is and what it takes.
 #[utoipa::path(get, path = "/v1/info", tag = "service", security(("key" = ["recognise"])), responses((status = 200, body = Info)))]
-pub async fn info(State(service): State<Service>, who: Who) -> Json<Info> {
+pub async fn info(State(service): State<Service>, caller: Caller) -> Json<Info> {
     let limits = &service.limits;
     let threads = service.compute.threads(Lane::Recognition);
     let ms = |duration: Duration| duration.as_millis() as u64;
-    let told = tokio::time::timeout(STORE_PATIENCE, service.databases.processes()).await;
-    let others = told.ok().and_then(Result::ok).unwrap_or_default();
+    let processes = tokio::time::timeout(STORE_TIMEOUT, service.databases.processes()).await;
+    let others = processes.ok().and_then(Result::ok).unwrap_or_default();
     let others = others.into_iter().filter(|process| process.worker != *service.worker);
     Json(Info {
         name: "landmarkd",
@@ -242,7 +242,7 @@ pub async fn info(State(service): State<Service>, who: Who) -> Json<Info> {
             .chain(others)
             .map(ProcessBody::from)
             .map(|mut process| {
-                process.databases.retain(|database| who.caller.reaches(&database.database));
+                process.databases.retain(|database| caller.reaches(&database.database));
                 process
             })
             .collect(),

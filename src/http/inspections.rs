@@ -1,32 +1,36 @@
 //! `POST /v1/workcells/{name}/inspections`: every part on the table, what it is, how it is turned, where to reach.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::access::{Who, reach};
+use super::access::reach;
 use super::depth_maps::decoded_pair;
 use super::extract::{Path, Query};
 use super::problem::{Code, FieldError, Problem};
-use super::recognitions::{CandidateBody, DecisionBody, PoseBody, drawn, ms};
-use super::regions::{self, RegionBody};
-use super::stages::Stages;
-use super::uploads::{HeaderEcho, KnownParts, Picture, RobotHeader};
+use super::recognitions::{CandidateBody, DecisionBody, PoseBody, drawn, version_for};
+use super::regions::RegionBody;
+use super::stages::{StageClock, ms};
+use super::uploads::{KnownParts, Picture, RobotHeader};
 use super::workcells::WorkcellPath;
 use super::{Service, accept};
+use crate::access::Caller;
 use crate::compute::Lane;
-use crate::database::{DatabaseError, FrameHeader, Kind, LoadedVersion, Model, Name};
+use crate::database::{DatabaseError, FrameHeader, KeptWorkcell, Kind, LoadedVersion, Model, Name};
 use crate::telemetry::Work;
-use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, FocalPair};
-use landmarkd_core::imaging;
+use landmarkd_core::depth::{Calibration, FocalPair};
+use landmarkd_core::imaging::{self, DecodeLimits, Frame};
 use landmarkd_core::recognition::objects::Objects;
-use landmarkd_core::vision::segmentation::segmented_from_near;
-use landmarkd_core::workcell::{Distance, Inspection, Part, Stage, Workcell, annotate, inspect};
+use landmarkd_core::workcell::{
+    Inspection, InspectionError, PairScene, PairView, Part, Stage, Workcell, annotate, inspect,
+    inspect_with_depth,
+};
 
 /// What the pair shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
@@ -85,7 +89,7 @@ pub struct InspectionBody {
     pub digest: String,
     /// The calibration that distances were measured with; null without a pair.
     pub calibration: Option<String>,
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
     pub width_px: usize,
     pub height_px: usize,
     /// Regions of at least the least area, also those beyond `max_objects`.
@@ -145,33 +149,120 @@ pub struct InspectionTimings {
     pub total: f64,
 }
 
-/// The pair of a request.
-struct Pair {
-    pictures: [Picture; 2],
-    calibration: Calibration,
-    view: PairViewWord,
-    region: Option<usize>,
-}
-
-/// What a call asks for.
-struct Question {
+/// The pictures of a request.
+struct Pictures {
     overview: Picture,
-    workcell: Workcell,
-    version: Arc<LoadedVersion>,
     pair: Option<Pair>,
-    is_drawn: bool,
 }
 
-/// What a computing thread makes of it.
+/// The focal pair of a request, and what it shows.
+struct Pair {
+    near: Picture,
+    far: Picture,
+    scene: PairScene,
+    calibration: Calibration,
+}
+
+impl Pictures {
+    /// Reads the form. `calibration` is the name of the workcell's.
+    ///
+    /// # Errors
+    /// Parts that are missing or don't go together, pictures that are not taken, an unknown calibration.
+    async fn read(
+        request: Request,
+        query: &InspectionQuery,
+        calibration: Option<&Name>,
+        service: &Service,
+    ) -> Result<Self, Problem> {
+        let mut parts = KnownParts::of(request, service, &["overview", "near", "far"], &[]).await?;
+        let wrong = pair_faults(&parts, query, calibration.is_some());
+        let overview = parts.require("overview");
+        parts.faults.extend(wrong);
+        let (Some(overview), []) = (overview, parts.faults.as_slice()) else {
+            return Err(Problem::fields(parts.faults));
+        };
+        let in_part = |name: &'static str| move |problem: Problem| problem.in_part(name);
+        let overview = Picture::of(overview, &service.decode).map_err(in_part("overview"))?;
+        let pair = match (parts.take("near"), parts.take("far"), calibration) {
+            (Some(near), Some(far), Some(calibration)) => {
+                let calibration = service.databases.rig(calibration).await?.calibration;
+                let for_depth = |bytes, name| {
+                    let picture = Picture::of(bytes, &service.decode).and_then(Picture::for_depth);
+                    picture.map_err(in_part(name))
+                };
+                let (near, far) = (for_depth(near, "near")?, for_depth(far, "far")?);
+                Some(Pair { near, far, scene: query.scene(), calibration })
+            }
+            _ => None,
+        };
+        Ok(Self { overview: overview.with_share(parts.share), pair })
+    }
+
+    /// The overview, and the focal pair if there is one.
+    fn decode(&self, limits: &DecodeLimits) -> Result<(Frame, Option<FocalPair>), Problem> {
+        let overview = imaging::decode(&self.overview.bytes, limits)
+            .map_err(|error| Problem::from(error).in_part("overview"))?;
+        let decoded = |pair: &Pair| decoded_pair([&pair.near, &pair.far], ["near", "far"], limits);
+        Ok((overview, self.pair.as_ref().map(decoded).transpose()?))
+    }
+
+    /// Memory that they take while they are worked on.
+    fn working_bytes(&self) -> u64 {
+        let pair = self.pair.as_ref().map_or(0, |pair| pair.near.depth_bytes + pair.far.depth_bytes);
+        self.overview.working_bytes + pair
+    }
+}
+
+impl InspectionQuery {
+    fn scene(&self) -> PairScene {
+        match self.pair_view.unwrap_or_default() {
+            PairViewWord::Local => PairScene::Local { region: self.region },
+            PairViewWord::Overview => PairScene::Overview,
+        }
+    }
+}
+
+/// What a computing thread makes of a request.
 struct Inspected {
     inspection: Inspection,
-    /// One for each part.
-    distances: Vec<Option<Distance>>,
-    /// Whether the distance of each part was looked for.
-    is_sought: Vec<bool>,
-    warnings: Vec<String>,
     png: Option<Vec<u8>>,
-    stages: Stages,
+    stages: StageClock,
+}
+
+/// Decode, inspect, draw: runs on a computing thread.
+fn inspected(
+    pictures: &Pictures,
+    workcell: &Workcell,
+    version: &LoadedVersion,
+    is_drawn: bool,
+    service: &Service,
+) -> Result<Inspected, Problem> {
+    let model = objects(version)?;
+    let mut stages = StageClock::begin();
+    let (overview, pair) = pictures.decode(&service.decode)?;
+    stages.end("decode");
+    let finished = |stage| {
+        stages.end(match stage {
+            Stage::Segment => "segment",
+            Stage::Crop => "cut",
+            Stage::Recognise => "recognise",
+            Stage::Design => "design",
+            Stage::Depth => "depth",
+        });
+    };
+    let inspection = match (&pair, &pictures.pair) {
+        (Some(pair), Some(Pair { scene, calibration, .. })) => {
+            let view = PairView { pair, scene: *scene, calibration };
+            let estimator = |calibration: &_, options: &_| service.estimators.ready(calibration, options);
+            inspect_with_depth(&overview, &view, workcell, model, estimator, finished)?
+        }
+        _ => inspect(&overview, workcell, model, finished),
+    };
+    let png = is_drawn.then(|| annotate(&overview, &inspection).into_png());
+    if is_drawn {
+        stages.end("encode");
+    }
+    Ok(Inspected { inspection, png, stages })
 }
 
 /// The model of a version, if it is one of objects.
@@ -187,121 +278,27 @@ fn objects(version: &LoadedVersion) -> Result<&Objects, Problem> {
     }
 }
 
-/// Decode, inspect, measure, draw: runs on a computing thread.
-fn work_on(question: &Question, service: &Service) -> Result<Inspected, Problem> {
-    let Question { overview, workcell, version, pair, is_drawn } = question;
-    let model = objects(version)?;
-    let mut stages = Stages::begin();
-    let frame = imaging::decode(&overview.bytes, &service.decode)
-        .map_err(|error| Problem::from(error).in_part("overview"))?;
-    let decoded = match pair {
-        Some(Pair { pictures: [near, far], view, .. }) => {
-            let decoded = decoded_pair([near, far], ["near", "far"], &service.decode)?;
-            let sizes_px = [(frame.width(), frame.height()), (decoded.width(), decoded.height())];
-            if *view == PairViewWord::Overview && sizes_px[0] != sizes_px[1] {
-                return Err(other_size(sizes_px));
-            }
-            Some(decoded)
+impl From<InspectionError> for Problem {
+    fn from(error: InspectionError) -> Self {
+        match error {
+            InspectionError::OtherSize { overview_px, pair_px } => other_size(overview_px, pair_px),
+            InspectionError::UnknownRegion { id, regions } => unknown_region(id, regions),
+            InspectionError::Estimator(error) => error.into(),
+            InspectionError::Estimate(error) => error.into(),
         }
-        None => None,
-    };
-    stages.end("decode");
-    let inspection = inspect(&frame, workcell, model, |stage| {
-        stages.end(match stage {
-            Stage::Segment => "segment",
-            Stage::Cut => "cut",
-            Stage::Recognise => "recognise",
-        });
-    });
-    let mut warnings: Vec<String> =
-        regions::warnings(&inspection.segmentation).into_iter().map(str::to_owned).collect();
-    if !model.options().segment {
-        warnings.push("not_segmented".into());
-    }
-    let mut inspected = Inspected {
-        distances: vec![None; inspection.parts.len()],
-        is_sought: vec![false; inspection.parts.len()],
-        inspection,
-        warnings,
-        png: None,
-        stages,
-    };
-    if let (Some(pair), Some(decoded)) = (pair, &decoded) {
-        inspected.measure(pair, decoded, workcell, service)?;
-    }
-    if *is_drawn {
-        let drawing = annotate(&frame, &inspected.inspection, &inspected.distances);
-        inspected.png = Some(drawing.into_png());
-        inspected.stages.end("encode");
-    }
-    Ok(inspected)
-}
-
-impl Inspected {
-    /// Measure the distances of the parts that the pair shows.
-    fn measure(
-        &mut self,
-        pair: &Pair,
-        decoded: &FocalPair,
-        workcell: &Workcell,
-        service: &Service,
-    ) -> Result<(), Problem> {
-        let segmentation = &self.inspection.segmentation;
-        let one = match (pair.region, pair.view) {
-            (Some(id), _) => {
-                Some(segmentation.region(id).ok_or_else(|| no_such_region(id, segmentation.regions.len()))?)
-            }
-            (None, PairViewWord::Local) => segmentation.central(),
-            (None, PairViewWord::Overview) => None,
-        };
-        if segmentation.regions.is_empty() {
-            return Ok(());
-        }
-        // What a sweep was made with measures best.
-        let mut options = DepthOptions::default();
-        if let Some(filters) = &pair.calibration.filters {
-            options.method = filters.method;
-        }
-        let estimator = service.estimators.ready(&pair.calibration, &options)?;
-        self.stages.end("design");
-        let map = estimator.estimate(decoded, &mut |_| ())?;
-        match one {
-            None => {
-                let of_all =
-                    segmentation.regions.iter().map(|region| Distance::of(region, segmentation, &map));
-                self.distances = of_all.collect();
-                self.is_sought.fill(true);
-            }
-            Some(region) => match local_distance(decoded, workcell, &map) {
-                Some(distance) => {
-                    self.distances[region.id - 1] = distance;
-                    self.is_sought[region.id - 1] = true;
-                }
-                None => self.warnings.push("no_region_in_pair".into()),
-            },
-        }
-        self.warnings.extend(map.summary.warnings.iter().map(|warning| format!("depth_{}", warning.word())));
-        self.stages.end("depth");
-        Ok(())
     }
 }
 
-/// The distance of the part in the middle of the near-focused picture; none without a part.
-fn local_distance(pair: &FocalPair, workcell: &Workcell, map: &DepthMap) -> Option<Option<Distance>> {
-    let seen = segmented_from_near(pair.near(), &workcell.segmentation);
-    Some(Distance::of(seen.central()?, &seen, map))
-}
-
-fn other_size([overview, pair]: [(usize, usize); 2]) -> Problem {
+fn other_size(overview_px: (usize, usize), pair_px: (usize, usize)) -> Problem {
     let text = format!(
         "the pair has {}×{} px and the overview {}×{}: with pair_view=overview both have one size; without it the pair \
          is the local camera's view of one part",
-        pair.0, pair.1, overview.0, overview.1
+        pair_px.0, pair_px.1, overview_px.0, overview_px.1
     );
     Problem::new(Code::ImageSizeMismatch, text).in_part("near")
 }
 
-fn no_such_region(id: usize, regions: usize) -> Problem {
+fn unknown_region(id: usize, regions: usize) -> Problem {
     let there = match regions {
         0 => "nothing stands out in the overview".to_owned(),
         1 => "the overview has the region 1 alone".to_owned(),
@@ -355,7 +352,7 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
 )]
 pub async fn post(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<WorkcellPath>,
     Query(query): Query<InspectionQuery>,
     headers: HeaderMap,
@@ -363,104 +360,73 @@ pub async fn post(
     request: Request,
 ) -> Result<Response, Problem> {
     let is_drawn = accept::choose(&headers, &["application/json", "image/png"])? == "image/png";
-    let mut response = service.inspection(&who, &path.name, &query, is_drawn, header, request).await?;
-    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
-    Ok(response)
+    let KeptWorkcell { name, setup, .. } = service.databases.workcell(&path.name).await?;
+    reach(&caller, setup.database.as_str())?;
+    let version =
+        version_for(&service.databases, &setup.database, query.version, query.alias.as_ref()).await?;
+    let pictures = Pictures::read(request, &query, setup.calibration.as_ref(), &service).await?;
+    let calibration = setup.calibration.filter(|_| pictures.pair.is_some());
+    let memory = pictures.working_bytes();
+    let work = {
+        let (service, version, workcell) = (service.clone(), Arc::clone(&version), setup.workcell);
+        move || inspected(&pictures, &workcell, &version, is_drawn, &service)
+    };
+    let (worked, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
+    let inspected = worked?;
+    inspected.stages.record(&service.metrics, Work::Workcell, queue);
+    Ok(accept::vary(inspected.render(name, calibration, &version, header, queue)))
 }
 
-impl Service {
-    async fn inspection(
-        &self,
-        who: &Who,
-        name: &Name,
-        query: &InspectionQuery,
-        is_drawn: bool,
+impl Inspected {
+    /// The answer; `queue` is the time that the work waited for a thread.
+    fn render(
+        self,
+        workcell: String,
+        calibration: Option<Name>,
+        version: &LoadedVersion,
         header: FrameHeader,
-        request: Request,
-    ) -> Result<Response, Problem> {
-        let kept = self.databases.workcell(name).await?;
-        let setup = kept.setup;
-        reach(&who.caller, setup.database.as_str())?;
-        let version = self.version_for(&setup.database, query.version, query.alias.as_ref()).await?;
-        let mut parts = KnownParts::of(request, self, &["overview", "near", "far"], &[]).await?;
-        let wrong = pair_faults(&parts, query, setup.calibration.is_some());
-        let overview = parts.require("overview");
-        parts.faults.extend(wrong);
-        let (Some(overview), []) = (overview, parts.faults.as_slice()) else {
-            return Err(Problem::fields(parts.faults));
-        };
-        let in_part = |name: &'static str| move |problem: Problem| problem.in_part(name);
-        let overview = Picture::of(overview, &self.decode).map_err(in_part("overview"))?;
-        let mut memory = overview.working_bytes;
-        let sent = (parts.take("near"), parts.take("far"), &setup.calibration);
-        let pair = match sent {
-            (Some(near), Some(far), Some(calibration)) => {
-                let calibration = self.databases.rig(calibration).await?.calibration;
-                let judged = |bytes, name| {
-                    Picture::of(bytes, &self.decode).and_then(Picture::for_depth).map_err(in_part(name))
-                };
-                let pictures = [judged(near, "near")?, judged(far, "far")?];
-                memory += pictures.iter().map(|picture| picture.depth_bytes).sum::<u64>();
-                let view = query.pair_view.unwrap_or_default();
-                Some(Pair { pictures, calibration, view, region: query.region })
-            }
-            _ => None,
-        };
-        let calibration = setup.calibration.filter(|_| pair.is_some());
-        let question =
-            Question { overview, workcell: setup.workcell, version: Arc::clone(&version), pair, is_drawn };
-        let (service, share) = (self.clone(), parts.share);
-        let work = move || {
-            let _share = share;
-            work_on(&question, &service)
-        };
-        let (inspected, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let mut inspected = inspected?;
-        inspected.stages.count(&self.metrics, Work::Workcell, queue);
-        if let Some(png) = inspected.png.take() {
-            return Ok(drawn(&version, png));
+        queue: Duration,
+    ) -> Response {
+        let Self { inspection, png, stages } = self;
+        if let Some(png) = png {
+            return drawn(version, png);
         }
-        let Inspected { inspection, distances, is_sought, warnings, stages, .. } = inspected;
-        let [segment, cut, recognise, design, depth] =
-            ["segment", "cut", "recognise", "design", "depth"].map(|stage| stages.ms(stage));
-        let parts = inspection.parts.iter().zip(distances).zip(is_sought);
         let body = InspectionBody {
-            workcell: kept.name,
+            workcell,
             database: version.database.clone(),
             version: version.version,
             digest: version.digest.clone(),
             calibration: calibration.map(|name| name.to_string()),
-            header: header.into(),
+            header,
             width_px: inspection.segmentation.width(),
             height_px: inspection.segmentation.height(),
             regions_found: inspection.segmentation.found,
-            objects: parts.map(|((part, distance), sought)| PartBody::new(part, distance, sought)).collect(),
-            warnings,
-            timings_ms: InspectionTimings {
-                queue: ms(queue),
-                decode: stages.ms("decode"),
-                segment,
-                cut,
-                recognise,
-                design,
-                depth,
-                total: segment + cut + recognise + design + depth,
-            },
+            objects: inspection.parts.iter().map(PartBody::from).collect(),
+            warnings: inspection.warnings.iter().map(|warning| warning.code()).collect(),
+            timings_ms: InspectionTimings::of(queue, &stages),
         };
-        Ok(Json(body).into_response())
+        Json(body).into_response()
     }
 }
 
-impl PartBody {
-    /// A part with its distance, if that was looked for and found.
-    fn new(part: &Part, distance: Option<Distance>, is_sought: bool) -> Self {
+impl InspectionTimings {
+    fn of(queue: Duration, stages: &StageClock) -> Self {
+        let [decode, segment, cut, recognise, design, depth] =
+            ["decode", "segment", "cut", "recognise", "design", "depth"].map(|stage| stages.ms(stage));
+        let total = segment + cut + recognise + design + depth;
+        Self { queue: ms(queue), decode, segment, cut, recognise, design, depth, total }
+    }
+}
+
+impl From<&Part> for PartBody {
+    fn from(part: &Part) -> Self {
         let recognition = &part.recognition;
         let mut warnings: Vec<&'static str> =
             recognition.warnings.iter().map(|warning| warning.code()).collect();
         if part.robot_mm.is_none() {
             warnings.push("beyond_horizon");
         }
-        if is_sought && distance.is_none() {
+        if part.is_in_pair && part.distance.is_none() {
             warnings.push("no_depth");
         }
         let decision = recognition.decision.as_ref();
@@ -471,9 +437,9 @@ impl PartBody {
             decision: decision.map(DecisionBody::from),
             candidates: recognition.candidates.iter().map(CandidateBody::from).collect(),
             pose: decision.and_then(|decision| decision.pose).map(PoseBody::from),
-            distance_mm: distance.map(|distance| distance.distance_mm),
-            distance_sigma_mm: distance.and_then(|distance| distance.sigma_mm),
-            distance_coverage: distance.map(|distance| distance.coverage),
+            distance_mm: part.distance.map(|distance| distance.distance_mm),
+            distance_sigma_mm: part.distance.and_then(|distance| distance.sigma_mm),
+            distance_coverage: part.distance.map(|distance| distance.coverage),
             warnings,
         }
     }

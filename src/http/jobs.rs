@@ -15,12 +15,13 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::Service;
-use super::access::{Who, reach};
+use super::access::reach;
 use super::extract::{Path, Query};
-use super::pages::{self, Page};
+use super::pages::{Page, Paging};
 use super::problem::{Problem, ProblemBody};
+use crate::access::Caller;
 use crate::database::{JobEventRow, JobFilter, JobRow, JobState};
-use crate::jobs::VersionComparison;
+use crate::jobs::{Failure, VersionComparison};
 
 /// A piece of long work.
 #[derive(Debug, Serialize, ToSchema)]
@@ -32,13 +33,13 @@ pub struct JobBody {
     pub database: Option<String>,
     /// The calibration that it is about; null for a training.
     pub calibration: Option<String>,
-    pub state: StateWord,
+    pub state: JobState,
     pub progress: Option<ProgressBody>,
     /// The version it made or found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<i64>,
     /// How the version did beside the one that `current` pointed to, if the training was to promote it `if_not_worse`.
-    pub comparison: Option<ComparisonBody>,
+    pub comparison: Option<VersionComparison>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<ProblemBody>,
@@ -54,79 +55,6 @@ pub struct JobBody {
     pub finished_at: Option<Timestamp>,
 }
 
-/// A trained version and the one that `current` pointed to, shown the same: exemplars of the new one, seen otherwise.
-/// Landmarks are also shown with their label left out of either version, when the right answer is null.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct ComparisonBody {
-    /// The version in use; null if `current` pointed to none that loads: then nothing was shown, and it is promoted.
-    pub against_version: Option<i64>,
-    /// How often both were asked.
-    pub trials: u64,
-    /// Right answers of the trained version.
-    pub candidate_right: u64,
-    /// Right answers of the version in use.
-    pub current_right: u64,
-    /// Asked when the trained version alone was right.
-    pub candidate_only: u64,
-    /// Asked when the version in use alone was right.
-    pub current_only: u64,
-    /// The chance that, of those on which they differ, as many or more go to the version in use if both are equally
-    /// good (sign test). Below 0.05 the trained version counts as worse.
-    pub p_value: f64,
-    /// Whether `current` moved to the trained version.
-    pub promoted: bool,
-}
-
-impl From<VersionComparison> for ComparisonBody {
-    fn from(compared: VersionComparison) -> Self {
-        Self {
-            against_version: compared.against_version,
-            trials: compared.trials,
-            candidate_right: compared.candidate_right,
-            current_right: compared.current_right,
-            candidate_only: compared.candidate_only,
-            current_only: compared.current_only,
-            p_value: compared.p_value,
-            promoted: compared.promoted,
-        }
-    }
-}
-
-/// The life of a job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StateWord {
-    Queued,
-    Running,
-    Succeeded,
-    Failed,
-    Cancelled,
-}
-
-impl From<JobState> for StateWord {
-    fn from(state: JobState) -> Self {
-        match state {
-            JobState::Queued => Self::Queued,
-            JobState::Running => Self::Running,
-            JobState::Succeeded => Self::Succeeded,
-            JobState::Failed => Self::Failed,
-            JobState::Cancelled => Self::Cancelled,
-        }
-    }
-}
-
-impl From<StateWord> for JobState {
-    fn from(state: StateWord) -> Self {
-        match state {
-            StateWord::Queued => Self::Queued,
-            StateWord::Running => Self::Running,
-            StateWord::Succeeded => Self::Succeeded,
-            StateWord::Failed => Self::Failed,
-            StateWord::Cancelled => Self::Cancelled,
-        }
-    }
-}
-
 /// How far a job is.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ProgressBody {
@@ -140,19 +68,19 @@ impl From<JobRow> for JobBody {
     fn from(row: JobRow) -> Self {
         Self {
             id: row.id,
-            comparison: VersionComparison::of_job(&row).map(ComparisonBody::from),
+            comparison: VersionComparison::of_job(&row),
             kind: row.kind,
             database: row.database,
             calibration: row.calibration,
-            state: row.state.into(),
+            state: row.state,
             progress: row.progress.map(|progress| ProgressBody {
                 stage: progress.stage,
-                // The last step's end is noted with the job's, not before it.
+                // The end of the last step is written with the job's.
                 done: if row.state == JobState::Succeeded { progress.total } else { progress.done },
                 total: progress.total,
             }),
             version: row.version,
-            problem: row.problem.as_deref().map(|kept| Problem::of_job(kept).into()),
+            problem: row.problem.as_deref().map(|kept| Problem::from(Failure::from_document(kept)).into()),
             worker: row.owner,
             attempts: row.attempts,
             created_at: row.created_at,
@@ -187,7 +115,7 @@ pub struct JobQuery {
     pub calibration: Option<String>,
     /// Those in this state.
     #[param(inline)]
-    pub state: Option<StateWord>,
+    pub state: Option<JobState>,
     /// Most items to give.
     #[param(minimum = 1, maximum = 1000, default = 100)]
     pub limit: Option<u32>,
@@ -202,16 +130,15 @@ pub struct JobQuery {
 )]
 pub async fn list(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Query(query): Query<JobQuery>,
 ) -> Result<Json<Page<JobBody>>, Problem> {
-    let limit = pages::limit(query.limit)?;
-    let after = pages::after(query.cursor.as_deref())?;
+    let Paging { limit, after } = Paging::read(query.limit, query.cursor.as_deref())?;
     let JobQuery { database, calibration, state, .. } = query;
-    let filter = JobFilter { database, calibration, state: state.map(JobState::from) };
+    let filter = JobFilter { database, calibration, state };
     let rows = service.jobs.list(&filter, after, limit).await?;
     let mut page = Page::of(rows, limit, |row| row.id.to_string(), JobBody::from);
-    page.items.retain(|job| job.database.as_deref().is_none_or(|database| who.caller.reaches(database)));
+    page.items.retain(|job| job.database.as_deref().is_none_or(|database| caller.reaches(database)));
     Ok(Json(page))
 }
 
@@ -222,10 +149,10 @@ pub async fn list(
 )]
 pub async fn get(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<JobPath>,
 ) -> Result<Json<JobBody>, Problem> {
-    Ok(Json(service.reached_job(&who, path.id).await?.into()))
+    Ok(Json(reached(&service, &caller, path.id).await?.into()))
 }
 
 /// Cancel a job: a waiting one at once, a running one at its next step.
@@ -236,11 +163,11 @@ pub async fn get(
 )]
 pub async fn cancel(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<JobPath>,
 ) -> Result<(StatusCode, Json<JobBody>), Problem> {
-    service.reached_job(&who, path.id).await?;
-    Ok((StatusCode::ACCEPTED, Json(service.jobs.cancel(path.id, &who.actor()).await?.into())))
+    reached(&service, &caller, path.id).await?;
+    Ok((StatusCode::ACCEPTED, Json(service.jobs.cancel(path.id, &caller.actor()).await?.into())))
 }
 
 /// What a client has seen of a job's events.
@@ -277,7 +204,7 @@ pub struct JobEvent {
 )]
 pub async fn events(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<JobPath>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -290,27 +217,27 @@ pub async fn events(
             })?
         }
     };
-    if service.reached_job(&who, path.id).await?.state.is_terminal()
+    if reached(&service, &caller, path.id).await?.state.is_terminal()
         && service.jobs.events_after(path.id, after).await?.is_empty()
     {
-        // What tells a browser's EventSource not to come back.
+        // 204 makes a browser's EventSource stop reconnecting.
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
     let keyring = service.keyring.clone();
-    // Who may not ask any more isn't told any more.
-    let revoked = async move { keyring.revoked(&who.caller).await };
+    // A key that is revoked ends its streams too.
+    let revoked = async move { keyring.revoked(&caller).await };
     let events = follow(service, path.id, after).take_until(Box::pin(revoked));
     Ok(Sse::new(events).keep_alive(keep_alive).into_response())
 }
 
-impl Service {
-    /// The job, if the caller's key reaches its database.
-    async fn reached_job(&self, who: &Who, id: Uuid) -> Result<JobRow, Problem> {
-        let job = self.jobs.get(id).await?;
-        job.database.as_deref().map_or(Ok(()), |database| reach(&who.caller, database))?;
-        Ok(job)
+/// The job, if the caller's key reaches its database.
+async fn reached(service: &Service, caller: &Caller, id: Uuid) -> Result<JobRow, Problem> {
+    let job = service.jobs.get(id).await?;
+    if let Some(database) = &job.database {
+        reach(caller, database)?;
     }
+    Ok(job)
 }
 
 /// The events of a job after number `after`, up to its last, or to shutdown.

@@ -8,36 +8,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Service;
-use super::access::Who;
 use super::extract::{Json as JsonIn, Path, Query};
 use super::pages::{self, Page, PageQuery};
 use super::problem::{Code, Problem};
-use crate::access::{Grant, KeyGrant, KeyRow, Scope};
-
-/// What a key may do; each includes the ones before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ScopeWord {
-    /// Ask, and read what the answers rest on.
-    Recognise,
-    /// Add exemplars and see them.
-    Contribute,
-    /// Train, point aliases, set up rigs and workcells, delete exemplars.
-    Train,
-    /// Delete databases and versions, make and revoke keys, read the audit record.
-    Admin,
-}
-
-impl From<ScopeWord> for Scope {
-    fn from(word: ScopeWord) -> Self {
-        match word {
-            ScopeWord::Recognise => Self::Recognise,
-            ScopeWord::Contribute => Self::Contribute,
-            ScopeWord::Train => Self::Train,
-            ScopeWord::Admin => Self::Admin,
-        }
-    }
-}
+use crate::access::{Caller, Grant, IssuedKey, KeyRow, Scope};
 
 /// A key to make.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -46,7 +20,7 @@ pub struct NewKeyBody {
     /// For people: whose key it is.
     #[schema(example = "robot 7", min_length = 1, max_length = 128)]
     pub name: String,
-    pub scope: ScopeWord,
+    pub scope: Scope,
     /// Names of the databases that it reaches, with `*` and `?`; null: every one.
     #[schema(example = json!(["floor-*"]), min_items = 1, max_items = 64)]
     pub databases: Option<Vec<String>>,
@@ -61,7 +35,7 @@ pub struct KeyBody {
     #[schema(example = "2f6b1c09d4e7a853")]
     pub id: String,
     pub name: String,
-    #[schema(value_type = ScopeWord)]
+    #[schema(value_type = Scope)]
     pub scope: String,
     pub databases: Option<Vec<String>>,
     pub requests_per_s: Option<i64>,
@@ -114,19 +88,19 @@ pub struct KeyPath {
 )]
 pub async fn post(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     JsonIn(new): JsonIn<NewKeyBody>,
 ) -> Result<(StatusCode, Json<KeyMade>), Problem> {
-    for_all(&who)?;
-    if !service.keyring.asks() {
+    unconfined(&caller)?;
+    if !service.keyring.requires_key() {
         // Whoever made the first would have the service for themselves.
         let text =
             "the first key is made on the machine itself: landmarkd keys create --name NAME --scope admin";
         return Err(Problem::new(Code::NotAllowed, text));
     }
     let NewKeyBody { name, scope, databases, requests_per_s } = new;
-    let grant = Grant { name, scope: scope.into(), databases, requests_per_s };
-    let KeyGrant { key, row } = service.keyring.create(&grant, &who.actor()).await?;
+    let grant = Grant { name, scope, databases, requests_per_s };
+    let IssuedKey { key, row } = service.keyring.create(&grant, &caller.actor()).await?;
     Ok((StatusCode::CREATED, Json(KeyMade { key: key.reveal().to_owned(), about: row.into() })))
 }
 
@@ -138,10 +112,10 @@ pub async fn post(
 )]
 pub async fn list(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<KeyBody>>, Problem> {
-    for_all(&who)?;
+    unconfined(&caller)?;
     let limit = pages::limit(page.limit)?;
     let rows = service.keyring.list().await?;
     let start = match page.cursor {
@@ -163,10 +137,10 @@ pub async fn list(
 )]
 pub async fn get(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<KeyPath>,
 ) -> Result<Json<KeyBody>, Problem> {
-    for_all(&who)?;
+    unconfined(&caller)?;
     let rows = service.keyring.list().await?;
     let row = rows.into_iter().find(|row| row.id == path.id);
     let unknown = || Problem::new(Code::UnknownKey, format!("there is no key {}", path.id));
@@ -182,17 +156,21 @@ pub async fn get(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<KeyPath>,
 ) -> Result<StatusCode, Problem> {
-    for_all(&who)?;
-    service.keyring.revoke(&path.id, &who.actor()).await?;
+    unconfined(&caller)?;
+    service.keyring.revoke(&path.id, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// A key for some databases must not make one for all, nor read what was done to the others.
-pub fn for_all(who: &Who) -> Result<(), Problem> {
-    if who.caller.is_confined() {
+/// Whether the caller's key reaches every database: a key for some must not make one for all, nor read what was done to
+/// the others.
+///
+/// # Errors
+/// 403 when it doesn't.
+pub fn unconfined(caller: &Caller) -> Result<(), Problem> {
+    if caller.is_confined() {
         let text = "this call needs a key of scope admin that reaches every database";
         return Err(Problem::new(Code::NotAllowed, text));
     }

@@ -1,7 +1,8 @@
-//! HTTP: the router is a table of contents; one file per resource. A handler extracts, picks, makes one call, renders.
+//! HTTP: the router is a table of contents; one file per resource. A handler extracts, picks a version, makes one call and
+//! renders.
 //!
 //! Architecture invariant: no arithmetic on pixels or vectors here, no SQL, no files. Wire shapes live beside their
-//! handlers; renaming a field inside the house doesn't change them.
+//! handlers; renaming a field of the domain doesn't change them.
 
 pub mod accept;
 mod access;
@@ -22,16 +23,16 @@ mod info;
 mod inspections;
 mod jobs;
 mod keys;
+mod middleware;
 pub mod openapi;
-mod optics;
-mod options;
+pub(crate) mod optics;
+pub(crate) mod options;
 mod pages;
+mod paths;
 mod preconditions;
 pub mod problem;
 mod recognitions;
 mod regions;
-mod reports;
-mod rim;
 mod segmentations;
 mod stages;
 mod sweeps;
@@ -44,10 +45,11 @@ mod workcells;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use axum::Router;
 use axum::extract::DefaultBodyLimit;
-use axum::http::HeaderValue;
 use axum::http::header::{CACHE_CONTROL, X_CONTENT_TYPE_OPTIONS};
-use axum::{Router, middleware};
+use axum::http::{HeaderValue, StatusCode};
+use axum::middleware::from_fn_with_state;
 use jiff::Timestamp;
 use tokio::sync::watch;
 use tower_http::set_header::SetResponseHeaderLayer;
@@ -66,23 +68,32 @@ use crate::jobs::Jobs;
 use crate::telemetry::Metrics;
 use landmarkd_core::imaging::DecodeLimits;
 
-/// What the handlers share; cheap to clone.
+/// The state that the handlers share; cheap to clone.
 #[derive(Clone)]
 pub struct Service {
+    /// The keys in force.
     pub keyring: Keyring,
-    /// Whether the operator lets everybody in where no key is asked for.
+    /// Whether the operator lets everybody in while there is no key.
     pub insecure: bool,
+    /// Databases, their versions, calibrations and workcells.
     pub databases: Databases,
+    /// The queue of jobs.
     pub jobs: Jobs,
+    /// The computing threads.
     pub compute: Compute,
+    /// What is counted and timed.
     pub metrics: Arc<Metrics>,
+    /// What is refused.
     pub limits: Limits,
+    /// Memory for bodies.
     pub bodies: BodyBudget,
+    /// Limits of the pictures that are decoded.
     pub decode: DecodeLimits,
     /// Depth estimators used lately.
     pub estimators: Estimators,
     /// Robots on their way.
     pub tracks: Tracks,
+    /// When the process started.
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
     pub worker: Arc<str>,
@@ -90,12 +101,12 @@ pub struct Service {
     pub role: Role,
     /// True from the first complete load of the registry until shutdown.
     pub ready: Arc<AtomicBool>,
-    /// Turns true when the service shuts down: endless answers end.
+    /// Turns true when the service shuts down: endless responses end.
     pub shutdown: watch::Receiver<bool>,
 }
 
 impl Service {
-    /// This process, and what it serves.
+    /// This process, with what it serves.
     pub fn process(&self) -> Process {
         Process {
             worker: self.worker.to_string(),
@@ -148,24 +159,29 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(audit::list))
 }
 
+/// 201 for what was created, 200 for what was there.
+fn put_status(created: bool) -> StatusCode {
+    if created { StatusCode::CREATED } else { StatusCode::OK }
+}
+
 /// The whole service as a router.
 pub fn router(service: Service) -> Router {
     let (api, document) = routes().split_for_parts();
     let document = openapi::finished(document);
-    let needs = Arc::new(access::Needs::of(&document));
+    let requirements = Arc::new(access::Requirements::of(&document));
     let no_sniffing = HeaderValue::from_static("nosniff");
     let no_store = HeaderValue::from_static("no-store");
     Router::new()
         .merge(api)
         .merge(console::routes())
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
-        .fallback(rim::unknown_route)
-        .method_not_allowed_fallback(rim::method_not_allowed)
+        .fallback(middleware::unknown_route)
+        .method_not_allowed_fallback(middleware::method_not_allowed)
         // Bodies have limits of their own, see `body`.
         .layer(DefaultBodyLimit::disable())
-        .layer(middleware::from_fn_with_state((service.clone(), needs), access::ask))
-        .layer(middleware::from_fn_with_state(service.clone(), rim::rim))
-        // Outside the rim, so that answers of its own have them too.
+        .layer(from_fn_with_state((service.clone(), requirements), access::authorise))
+        .layer(from_fn_with_state(service.clone(), middleware::request))
+        // Outside the request middleware, so that its own responses have them too.
         .layer(SetResponseHeaderLayer::if_not_present(X_CONTENT_TYPE_OPTIONS, no_sniffing))
         .layer(SetResponseHeaderLayer::if_not_present(CACHE_CONTROL, no_store))
         .with_state(service)

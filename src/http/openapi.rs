@@ -31,13 +31,13 @@ use super::{access, routes};
 )]
 struct Preamble;
 
-/// What stands in the document before the routes.
+/// The document without the routes.
 pub(super) fn preamble() -> utoipa::openapi::OpenApi {
     Preamble::openapi()
 }
 
-/// The document with how a key is sent, files as bytes, and the problem document as the answer for every status that an
-/// operation doesn't name.
+/// Adds to the document how a key is sent, files as bytes, and the problem document as the response for every status that
+/// an operation doesn't name.
 pub(super) fn finished(mut document: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
     access::describe(&mut document);
     let problem = ResponseBuilder::new()
@@ -67,7 +67,7 @@ pub(super) fn finished(mut document: utoipa::openapi::OpenApi) -> utoipa::openap
     document
 }
 
-/// What is neither JSON, a form nor text is a file, and described as generators of clients know one.
+/// Describes content that is neither JSON, a form nor text as a file, in the way that generators of clients know.
 fn file_as_bytes(kind: &str, content: &mut RefOr<Content>) {
     let is_file = !kind.ends_with("json") && !kind.starts_with("multipart/") && !kind.starts_with("text/");
     if let (true, RefOr::T(content)) = (is_file, content) {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::options::readable;
+use super::options::read_members;
 use super::problem::FieldError;
 use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
 
@@ -43,23 +43,23 @@ pub struct OpticsBody {
     pub principal_point_px: Option<[f64; 2]>,
 }
 
-/// A distance as it is told: to a nanometre. What the lens law works out is not more exact, and 500 mm shall read 500.
-pub fn told_mm(mm: f64) -> f64 {
+/// A distance rounded to a nanometre: what the lens law works out is not more exact, and 500 mm shall read 500.
+pub fn rounded_mm(mm: f64) -> f64 {
     (mm * 1e6).round() / 1e6
 }
 
 impl OpticsBody {
-    /// The optics that the members of the object `at` describe.
+    /// Reads the optics from the members of the object at the JSON pointer `at`.
     ///
     /// # Errors
     /// Every member that is missing, unknown, misshapen or impossible.
     pub fn read(at: &str, body: &Map<String, Value>) -> Result<Optics, Vec<FieldError>> {
         let sent = |field: &str| body.get(field).is_some_and(|value| !value.is_null());
-        let (body, mut faults) = readable::<Self>(at, body);
+        let (body, mut faults) = read_members::<Self>(at, body);
         let misshapen: Vec<String> = faults.iter().map(|fault| fault.pointer.clone()).collect();
         let mut fault = |field: &str, detail: &str| {
             let pointer = format!("{at}/{field}");
-            // One that was sent and can't be read is told so, and not that it is missing.
+            // A member that was sent and can't be read has a fault already: it isn't missing.
             if !misshapen.contains(&pointer) {
                 faults.push(FieldError { pointer, detail: detail.into() });
             }
@@ -181,8 +181,8 @@ mod tests {
     fn both_ways_of_saying_it_are_the_same_optics() {
         let optics = read(usual()).unwrap();
         assert!((optics.near_focus_mm() - 529.0).abs() < 1e-6);
-        let told = serde_json::to_value(OpticsBody::from(&optics)).unwrap();
-        let again = read(told).unwrap();
+        let written = serde_json::to_value(OpticsBody::from(&optics)).unwrap();
+        let again = read(written).unwrap();
         assert!((again.near_focus_mm() - 529.0).abs() < 1e-6 && again.spec() == optics.spec());
     }
 

@@ -31,7 +31,25 @@ pub struct Page<T> {
     pub next_cursor: Option<String>,
 }
 
-/// How many items are wanted.
+/// Which rows of a list are wanted.
+pub struct Paging<K> {
+    /// Most rows.
+    pub limit: u32,
+    /// The key of the last row before them.
+    pub after: Option<K>,
+}
+
+impl<K: std::str::FromStr> Paging<K> {
+    /// As a query has them.
+    pub fn read(limit: Option<u32>, cursor: Option<&str>) -> Result<Self, Problem> {
+        let limit = self::limit(limit)?;
+        let wrong = || Problem::field("#cursor", "is not a next_cursor of this list");
+        let after = cursor.map(|text| text.parse().map_err(|_| wrong())).transpose()?;
+        Ok(Self { limit, after })
+    }
+}
+
+/// The most items of a page.
 pub fn limit(wanted: Option<u32>) -> Result<u32, Problem> {
     match wanted.unwrap_or(DEFAULT_LIMIT) {
         limit @ 1..=MAX_LIMIT => Ok(limit),
@@ -39,13 +57,12 @@ pub fn limit(wanted: Option<u32>) -> Result<u32, Problem> {
     }
 }
 
-/// The key after which the page starts.
-pub fn after<T: std::str::FromStr>(cursor: Option<&str>) -> Result<Option<T>, Problem> {
-    let wrong = || Problem::field("#cursor", "is not a next_cursor of this list");
-    cursor.map(|text| text.parse().map_err(|_| wrong())).transpose()
-}
-
 impl<T> Page<T> {
+    /// The whole list as one page.
+    pub fn whole(items: impl IntoIterator<Item = impl Into<T>>) -> Self {
+        Self { items: items.into_iter().map(Into::into).collect(), next_cursor: None }
+    }
+
     /// A page of `limit` rows; `key` is what the next page starts after.
     pub fn of<R>(rows: Vec<R>, limit: u32, key: impl Fn(&R) -> String, render: impl Fn(R) -> T) -> Self {
         let full = rows.len() as u64 >= u64::from(limit);

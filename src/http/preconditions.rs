@@ -5,7 +5,7 @@ use axum::http::header::HeaderName;
 
 use super::problem::{Code, Problem};
 
-/// What a precondition names.
+/// The entity tags of a precondition.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Tags {
     /// `*`
@@ -15,7 +15,7 @@ pub enum Tags {
 }
 
 impl Tags {
-    /// What a header says, all its lines together; `None` when it isn't sent.
+    /// Those of a header, all its lines together; `None` when it isn't sent.
     ///
     /// # Errors
     /// 400 for anything else than `*` or quoted tags with commas between them.
@@ -32,16 +32,16 @@ impl Tags {
         }
     }
 
-    /// Whether one of them is this tag, for changes: a weak one never is.
-    pub fn hold(&self, tag: &str) -> bool {
+    /// Strong comparison, for changes: whether one of them is this tag; a weak one never is.
+    pub fn matches(&self, tag: &str) -> bool {
         match self {
             Self::Any => true,
             Self::Listed(tags) => tags.iter().any(|listed| listed == tag),
         }
     }
 
-    /// Whether one of them is this tag, for copies that the caller has: weak or not.
-    pub fn hold_weakly(&self, tag: &str) -> bool {
+    /// Weak comparison, for copies that the caller has: whether one of them is this tag, weak or not.
+    pub fn matches_weakly(&self, tag: &str) -> bool {
         match self {
             Self::Any => true,
             Self::Listed(tags) => tags.iter().any(|listed| listed.trim_start_matches("W/") == tag),
@@ -95,7 +95,7 @@ mod tests {
             ("\"\"", true, true),
             ("\"3\"", false, false),
         ] {
-            assert_eq!((tags.hold(tag), tags.hold_weakly(tag)), (strongly, weakly), "{tag}");
+            assert_eq!((tags.matches(tag), tags.matches_weakly(tag)), (strongly, weakly), "{tag}");
         }
     }
 

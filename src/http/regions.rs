@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use landmarkd_core::vision::segmentation::{Region, Segmentation};
+use landmarkd_core::vision::segmentation::Region;
 
 /// A connected part of a picture that stands out from its background.
 #[derive(Debug, Serialize, ToSchema)]
@@ -38,14 +38,5 @@ impl From<&Region> for RegionBody {
             elongation: region.elongation,
             touches_border: region.touches_border,
         }
-    }
-}
-
-/// Doubts about a segmentation as a whole: `no_region`, `more_regions`.
-pub fn warnings(segmentation: &Segmentation) -> Vec<&'static str> {
-    match (segmentation.regions.len(), segmentation.found) {
-        (0, _) => vec!["no_region"],
-        (told, found) if found > told => vec!["more_regions"],
-        _ => vec![],
     }
 }

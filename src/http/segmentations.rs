@@ -4,24 +4,25 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{FromRequest, Request, State};
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::extract::essence;
-use super::options::SegmentationOptionsBody;
+use super::options::{read_segmentation, read_segmentation_query};
 use super::problem::{FieldError, Problem};
-use super::recognitions::ms;
-use super::regions::{self, RegionBody};
-use super::stages::Stages;
-use super::uploads::{HeaderEcho, KnownParts, OnePicture, Picture, RobotHeader};
+use super::regions::RegionBody;
+use super::stages::{StageClock, ms};
+use super::uploads::{KnownParts, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
+use crate::database::FrameHeader;
+use crate::database::options::SegmentationOptionsDocument;
 use crate::telemetry::Work;
-use landmarkd_core::imaging::{self, Frame, encode};
+use landmarkd_core::imaging::{self, DecodeLimits, encode};
 use landmarkd_core::vision::segmentation::{Segmentation, SegmentationOptions, segmented};
-use landmarkd_core::workcell::annotate_regions;
+use landmarkd_core::workcell::{Warning, annotate_regions};
 
 /// A picture, and how it is taken apart.
 #[derive(ToSchema)]
@@ -30,13 +31,13 @@ pub struct SegmentationForm {
     /// The picture.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
     image: String,
-    options: Option<SegmentationOptionsBody>,
+    options: Option<SegmentationOptionsDocument>,
 }
 
 /// What stands out from the background.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct SegmentationBody {
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
     pub width_px: usize,
     pub height_px: usize,
     /// Regions of at least the least area, also those beyond `max_objects`.
@@ -44,7 +45,7 @@ pub struct SegmentationBody {
     /// The largest first.
     pub regions: Vec<RegionBody>,
     /// `no_region`: nothing stands out. `more_regions`: there are more than `max_objects`.
-    pub warnings: Vec<&'static str>,
+    pub warnings: Vec<String>,
     pub timings_ms: SegmentationTimings,
 }
 
@@ -58,37 +59,79 @@ pub struct SegmentationTimings {
 }
 
 impl SegmentationTimings {
-    /// Those of finished work.
-    pub fn of(queue: Duration, stages: &Stages) -> Self {
+    /// The times of finished work.
+    pub fn of(queue: Duration, stages: &StageClock) -> Self {
         Self { queue: ms(queue), decode: stages.ms("decode"), segment: stages.ms("segment") }
     }
 }
 
-/// What the call gives, ours by preference first.
+/// The media types of the answer, the preferred one first.
 const OFFERED: [&str; 3] = ["application/json", "image/png", PREVIEW];
 const PREVIEW: &str = "image/png; preview=regions";
 
-/// The file that was asked for; none for JSON.
-fn file(wanted: &str, frame: &Frame, segmentation: &Segmentation) -> Option<Vec<u8>> {
-    match wanted {
-        "image/png" => {
-            let (width, height) = (segmentation.width(), segmentation.height());
-            Some(encode::png_gray16(width, height, segmentation.labels()))
+/// What a computing thread makes of a request.
+struct Segmented {
+    segmentation: Segmentation,
+    /// None if JSON is wanted.
+    png: Option<Vec<u8>>,
+    stages: StageClock,
+}
+
+impl Segmented {
+    /// Decodes, segments, draws: runs on a computing thread.
+    fn of(
+        picture: &Picture,
+        options: &SegmentationOptions,
+        media_type: &str,
+        limits: &DecodeLimits,
+    ) -> Result<Self, Problem> {
+        let mut stages = StageClock::begin();
+        let frame = imaging::decode(&picture.bytes, limits)?;
+        stages.end("decode");
+        let segmentation = segmented(&frame.luminance, options);
+        stages.end("segment");
+        let (width, height) = (segmentation.width(), segmentation.height());
+        let png = match media_type {
+            "image/png" => Some(encode::png_gray16(width, height, segmentation.labels())),
+            PREVIEW => Some(annotate_regions(&frame, &segmentation).into_png()),
+            _ => None,
+        };
+        if png.is_some() {
+            stages.end("encode");
         }
-        PREVIEW => Some(annotate_regions(frame, segmentation).into_png()),
-        _ => None,
+        Ok(Self { segmentation, png, stages })
+    }
+
+    /// The answer; `queue` is the time that the work waited for a thread.
+    fn render(self, header: FrameHeader, queue: Duration) -> Response {
+        let Self { segmentation, png, stages } = self;
+        let warnings: Vec<String> = Warning::about(&segmentation).into_iter().map(Warning::code).collect();
+        if let Some(png) = png {
+            let headers = [("content-type", "image/png"), ("x-warnings", &warnings.join(","))];
+            return (headers, png).into_response();
+        }
+        let body = SegmentationBody {
+            header,
+            width_px: segmentation.width(),
+            height_px: segmentation.height(),
+            regions_found: segmentation.found,
+            regions: segmentation.regions.iter().map(RegionBody::from).collect(),
+            warnings,
+            timings_ms: SegmentationTimings::of(queue, &stages),
+        };
+        Json(body).into_response()
     }
 }
 
 /// The picture of a request, and the options in its query or form.
-async fn asked(request: Request, service: &Service) -> Result<(Picture, SegmentationOptions), Problem> {
+async fn read(request: Request, service: &Service) -> Result<(Picture, SegmentationOptions), Problem> {
     let query = request.uri().query().unwrap_or_default().to_owned();
-    let (options, mut faults) = SegmentationOptionsBody::read_query(&query);
+    let (options, mut faults) = read_segmentation_query(&query);
     if essence(request.headers()).as_deref() != Some("multipart/form-data") {
         if !faults.is_empty() {
             return Err(Problem::fields(faults));
         }
-        return Ok((OnePicture::from_request(request, service).await?.judged(&service.decode)?, options));
+        return Ok((OnePicture::from_request(request, service).await?.checked(&service.decode)?, options));
     }
     let mut parts = KnownParts::of(request, service, &["image"], &["options"]).await?;
     if parts.holds("options") && !query.is_empty() {
@@ -98,7 +141,7 @@ async fn asked(request: Request, service: &Service) -> Result<(Picture, Segmenta
     let image = parts.require("image");
     let options = match parts.object("options")? {
         Some(body) => {
-            let (options, wrong) = SegmentationOptionsBody::read("/options", &body);
+            let (options, wrong) = read_segmentation("/options", &body);
             faults.extend(wrong);
             options
         }
@@ -115,7 +158,7 @@ async fn asked(request: Request, service: &Service) -> Result<(Picture, Segmenta
 /// A picture in which nothing stands out is an answer without regions.
 #[utoipa::path(
     post, operation_id = "segment", path = "/v1/segmentations", tag = "workcell", security(("key" = ["recognise"])),
-    params(SegmentationOptionsBody),
+    params(SegmentationOptionsDocument),
     request_body(
         description = "The picture, raw with the options in the query, or as a form",
         content(
@@ -138,41 +181,12 @@ pub async fn post(
     RobotHeader(header): RobotHeader,
     request: Request,
 ) -> Result<Response, Problem> {
-    let wanted = accept::choose(&headers, &OFFERED)?;
-    let (picture, options) = asked(request, &service).await?;
+    let media_type = accept::choose(&headers, &OFFERED)?;
+    let (picture, options) = read(request, &service).await?;
     let (limits, memory) = (service.decode, picture.working_bytes);
-    let work = move || {
-        let mut stages = Stages::begin();
-        let frame = imaging::decode(&picture.bytes, &limits)?;
-        stages.end("decode");
-        let segmentation = segmented(&frame.luminance, &options);
-        stages.end("segment");
-        let file = file(wanted, &frame, &segmentation);
-        if file.is_some() {
-            stages.end("encode");
-        }
-        Ok::<_, Problem>((segmentation, file, stages))
-    };
-    let (worked, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
-    let (segmentation, file, stages) = worked?;
-    stages.count(&service.metrics, Work::Workcell, queue);
-    let warnings = regions::warnings(&segmentation);
-    let mut response = match file {
-        Some(png) => {
-            let headers = [("content-type", "image/png"), ("x-warnings", &warnings.join(","))];
-            (headers, png).into_response()
-        }
-        None => Json(SegmentationBody {
-            header: header.into(),
-            width_px: segmentation.width(),
-            height_px: segmentation.height(),
-            regions_found: segmentation.found,
-            regions: segmentation.regions.iter().map(RegionBody::from).collect(),
-            warnings,
-            timings_ms: SegmentationTimings::of(queue, &stages),
-        })
-        .into_response(),
-    };
-    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
-    Ok(response)
+    let work = move || Segmented::of(&picture, &options, media_type, &limits);
+    let (segmented, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
+    let segmented = segmented?;
+    segmented.stages.record(&service.metrics, Work::Workcell, queue);
+    Ok(accept::vary(segmented.render(header, queue)))
 }

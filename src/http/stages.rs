@@ -1,23 +1,32 @@
-//! How long the stages of a piece of work took.
+//! The stage clock: the time that each stage of a piece of work takes.
 
 use std::time::{Duration, Instant};
 
-use super::recognitions::ms;
 use crate::telemetry::{Metrics, Work};
 
-/// The stages of a piece of work; one that comes again is added to itself.
-pub struct Stages {
+/// A time in milliseconds.
+pub fn ms(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}
+
+/// The times of the stages of a piece of work. The times of a stage that comes again are added up.
+pub struct StageClock {
     since: Instant,
     took: Vec<(&'static str, Duration)>,
 }
 
-impl Stages {
-    /// The first stage begins.
+impl StageClock {
+    /// Starts the first stage.
     pub fn begin() -> Self {
         Self { since: Instant::now(), took: Vec::new() }
     }
 
-    /// That stage ends, and the next begins.
+    /// Records these stages in any case: with 0 if they never come.
+    pub fn expect(&mut self, stages: &[&'static str]) {
+        self.took.extend(stages.iter().map(|stage| (*stage, Duration::ZERO)));
+    }
+
+    /// Ends that stage and starts the next.
     pub fn end(&mut self, stage: &'static str) {
         let now = Instant::now();
         let took = now.duration_since(std::mem::replace(&mut self.since, now));
@@ -27,13 +36,13 @@ impl Stages {
         }
     }
 
-    /// How long that stage took in milliseconds; 0 if it never came.
+    /// The time of that stage in milliseconds; 0 if it never came.
     pub fn ms(&self, stage: &str) -> f64 {
         self.took.iter().find(|(name, _)| *name == stage).map_or(0.0, |(_, took)| ms(*took))
     }
 
-    /// Count the work, and the time that it waited for a computing thread.
-    pub fn count(&self, metrics: &Metrics, work: Work, queue: Duration) {
+    /// Adds the times to the metrics of that kind of work, with the time that it waited for a computing thread.
+    pub fn record(&self, metrics: &Metrics, work: Work, queue: Duration) {
         metrics.stage(work, "queue", queue);
         self.took.iter().for_each(|(stage, took)| metrics.stage(work, stage, *took));
     }
@@ -45,7 +54,7 @@ mod tests {
 
     #[test]
     fn a_stage_that_comes_again_is_added_up_and_counted_once() {
-        let mut stages = Stages::begin();
+        let mut stages = StageClock::begin();
         for stage in ["cut", "recognise", "cut", "recognise"] {
             std::thread::sleep(Duration::from_millis(1));
             stages.end(stage);
@@ -53,7 +62,7 @@ mod tests {
         assert!(stages.ms("cut") >= 2.0 && stages.ms("recognise") >= 2.0);
         assert_eq!(stages.ms("depth"), 0.0);
         let metrics = Metrics::new();
-        stages.count(&metrics, Work::Workcell, Duration::ZERO);
+        stages.record(&metrics, Work::Workcell, Duration::ZERO);
         let text = metrics.text();
         for (stage, count) in [("queue", 1), ("cut", 1), ("recognise", 1), ("depth", 0)] {
             let line = format!("landmarkd_workcell_stage_seconds_count{{stage=\"{stage}\"}} {count}");

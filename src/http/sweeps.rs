@@ -10,15 +10,15 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::Service;
-use super::access::Who;
 use super::calibrations::CalibrationPath;
 use super::extract::{MAX_JSON_BYTES, Path, from_json};
 use super::jobs::{JobBody, queued};
-use super::options::{DepthMethodWord, readable};
+use super::options::read_members;
 use super::problem::{Code, FieldError, Problem};
 use super::uploads::{Form, Picture};
+use crate::access::Caller;
 use crate::compute::Lane;
-use crate::database::{PictureBlob, Rig};
+use crate::database::{DepthMethodWord, PictureBlob, Rig};
 use crate::jobs::{SweepParams, SweepPlane};
 use landmarkd_core::depth::{MAX_PLANES, Method, Sweep};
 use landmarkd_core::imaging;
@@ -68,42 +68,42 @@ pub struct SweepForm {
 )]
 pub async fn post(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<CalibrationPath>,
     request: Request,
 ) -> Result<Response, Problem> {
     let rig = service.databases.rig(&path.name).await?;
-    let sent = service.sweep_form(request).await?;
+    let sent = SweepParts::read(request, &service).await?;
     let params = sent.params(&rig)?;
     let depths_mm: Vec<f64> = params.planes.iter().map(|plane| plane.depth_mm).collect();
     let (calibration, method) = (rig.calibration.clone(), params.method);
-    let judge = move || Sweep::new(&calibration, method, &depths_mm).map(drop);
-    service.compute.run(Lane::Upkeep, 0, judge).await?.0?;
-    Ok(queued(service.jobs.sweep(&rig, &params, &who.actor()).await?))
+    let check = move || Sweep::new(&calibration, method, &depths_mm).map(drop);
+    service.compute.run(Lane::Maintenance, 0, check).await?.0?;
+    Ok(queued(service.jobs.sweep(&rig, &params, &caller.actor()).await?))
 }
 
-/// A picture that was kept.
-struct Kept {
+/// A picture in the blob store.
+struct StoredPicture {
     blob: PictureBlob,
     /// Width and height as decoded.
     size_px: (usize, usize),
 }
 
-/// What a form held.
+/// The parts of a form.
 #[derive(Default)]
 struct SweepParts {
     manifest: Option<Bytes>,
     options: Option<Bytes>,
-    pictures: BTreeMap<String, Kept>,
+    pictures: BTreeMap<String, StoredPicture>,
 }
 
-impl Service {
-    /// Take the form in: each picture is looked at and kept as it comes, one at a time.
-    async fn sweep_form(&self, request: Request) -> Result<SweepParts, Problem> {
-        let limits = &self.limits;
+impl SweepParts {
+    /// Reads the form; each picture is decoded and stored as it comes, one at a time.
+    async fn read(request: Request, service: &Service) -> Result<Self, Problem> {
+        let limits = &service.limits;
         let held_bytes = limits.max_body_bytes + 2 * MAX_JSON_BYTES;
-        let mut form = Form::of(request, self, limits.max_batch_bytes, held_bytes).await?;
-        let mut sent = SweepParts::default();
+        let mut form = Form::of(request, service, limits.max_batch_bytes, held_bytes).await?;
+        let mut sent = Self::default();
         while let Some((name, part)) = form.next().await? {
             let text = match name.as_str() {
                 "manifest" => Some(&mut sent.manifest),
@@ -126,20 +126,23 @@ impl Service {
                 return Err(Problem::new(Code::SweepRefused, text));
             }
             let bytes = part.read(limits.max_body_bytes).await?.map_err(|problem| problem.in_part(&name))?;
-            let kept = self.keep_picture(bytes).await.map_err(|problem| problem.in_part(&name))?;
-            sent.pictures.insert(name, kept);
+            let stored =
+                StoredPicture::store(bytes, service).await.map_err(|problem| problem.in_part(&name))?;
+            sent.pictures.insert(name, stored);
         }
         Ok(sent)
     }
+}
 
-    /// Decode a picture once, so that only pictures are kept, and keep it.
-    async fn keep_picture(&self, bytes: Bytes) -> Result<Kept, Problem> {
-        let (picture, limits) = (Picture::of(bytes.clone(), &self.decode)?.for_depth()?, self.decode);
+impl StoredPicture {
+    /// Decodes a picture once, so that only pictures are stored, and stores it.
+    async fn store(bytes: Bytes, service: &Service) -> Result<Self, Problem> {
+        let (picture, limits) = (Picture::of(bytes.clone(), &service.decode)?.for_depth()?, service.decode);
         let memory = picture.working_bytes;
-        let look = move || imaging::decode(&picture.bytes, &limits);
-        let frame = self.compute.run(Lane::Upkeep, memory, look).await?.0?;
-        let blob = self.databases.keep_picture(bytes).await?;
-        Ok(Kept { blob, size_px: (frame.width(), frame.height()) })
+        let decode = move || imaging::decode(&picture.bytes, &limits);
+        let frame = service.compute.run(Lane::Maintenance, memory, decode).await?.0?;
+        let blob = service.databases.keep_picture(bytes).await?;
+        Ok(Self { blob, size_px: (frame.width(), frame.height()) })
     }
 }
 
@@ -156,12 +159,12 @@ impl SweepParts {
         let mut planes = Vec::new();
         for (at, line) in manifest.iter().enumerate() {
             let mut picture = |member: &str, name: &String| {
-                let kept = self.pictures.get(name);
-                if kept.is_none() {
+                let stored = self.pictures.get(name);
+                if stored.is_none() {
                     let detail = format!("the form has no part named {name:?}");
                     fault(format!("/manifest/{at}/{member}"), detail);
                 }
-                kept
+                stored
             };
             let (near, far) = (picture("near", &line.near), picture("far", &line.far));
             if let Some((near, far)) = near.zip(far) {
@@ -178,7 +181,7 @@ impl SweepParts {
         if !faults.is_empty() {
             return Err(Problem::fields(faults));
         }
-        self.fit(rig)?;
+        self.check_sizes(rig)?;
         if let Some((depth_mm, ..)) = planes.iter().find(|(_, near, far)| near.blob == far.blob) {
             let text = format!("near and far of the plane at {depth_mm} mm are one picture: send both");
             return Err(Problem::new(Code::IdenticalImages, text));
@@ -201,18 +204,18 @@ impl SweepParts {
     fn options(&self) -> Result<(SweepOptionsBody, Vec<FieldError>), Problem> {
         let Some(bytes) = &self.options else { return Ok(Default::default()) };
         let members: Map<String, Value> = from_json(bytes).map_err(|problem| problem.in_part("options"))?;
-        Ok(readable("/options", &members))
+        Ok(read_members("/options", &members))
     }
 
-    /// Whether the pictures are all of one size, the rig's if it has one.
-    fn fit(&self, rig: &Rig) -> Result<(), Problem> {
-        let rigs = rig.calibration.image.map(|image| (image.width_px, image.height_px));
-        let Some(wanted) = rigs.or(self.pictures.values().next().map(|kept| kept.size_px)) else {
+    /// Refuses pictures of several sizes, or of another than the rig's if it has one.
+    fn check_sizes(&self, rig: &Rig) -> Result<(), Problem> {
+        let of_rig = rig.calibration.image.map(|image| (image.width_px, image.height_px));
+        let Some(wanted) = of_rig.or(self.pictures.values().next().map(|stored| stored.size_px)) else {
             return Ok(());
         };
-        match self.pictures.iter().find(|(_, kept)| kept.size_px != wanted) {
+        match self.pictures.iter().find(|(_, stored)| stored.size_px != wanted) {
             None => Ok(()),
-            Some((name, Kept { size_px: (width, height), .. })) => {
+            Some((name, StoredPicture { size_px: (width, height), .. })) => {
                 let text = format!(
                     "it is {width}×{height} px, not {}×{} px: send pictures of one size, the one that the rig was \
                      registered with if it was",

@@ -1,5 +1,6 @@
-//! Pictures sent by clients: the raw body, a multipart part named `image`, or several parts with names of their own. The bytes decide the format, and the
-//! size is read from the picture's header before anything is queued. Nothing is decoded here.
+//! Pictures sent by clients: the raw body, a multipart part named `image`, or several parts with names of their own. The
+//! bytes decide the format, and the size is read from the picture's header before anything is queued. Nothing is decoded
+//! here.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,19 +15,18 @@ use axum::http::HeaderMap;
 use axum::http::request::Parts;
 use bytes::{Bytes, BytesMut};
 use futures_util::StreamExt;
-use serde::Serialize;
 use serde_json::{Map, Value};
-use utoipa::ToSchema;
 
 use super::body::BodyShare;
 use super::extract::{MAX_JSON_BYTES, essence, from_json};
 use super::problem::{Code, FieldError, Problem};
 use super::{Service, body};
+use crate::compute::Lane;
 use crate::config::Limits;
 use crate::database::FrameHeader;
 use landmarkd_core::imaging::{self, DecodeLimits, Format};
 
-/// A picture as sent, with what its header says.
+/// A picture as sent, with the format and the sizes in its header.
 #[derive(Debug)]
 pub struct Picture {
     pub bytes: Bytes,
@@ -86,19 +86,28 @@ impl Picture {
     }
 }
 
-/// One picture, not looked at yet: the raw body, or the part `image` of a multipart body.
+/// One picture whose header isn't read yet: the raw body, or the part `image` of a multipart body.
 pub struct OnePicture {
     bytes: Bytes,
     share: BodyShare,
 }
 
 impl OnePicture {
-    /// The picture, judged by its header.
+    /// The picture, if its header is within the limits.
     ///
     /// # Errors
     /// As of [`Picture::of`].
-    pub fn judged(self, limits: &DecodeLimits) -> Result<Picture, Problem> {
+    pub fn checked(self, limits: &DecodeLimits) -> Result<Picture, Problem> {
         Ok(Picture::of(self.bytes, limits)?.with_share(self.share))
+    }
+
+    /// The same, if recognition has room for it: a picture that must be refused costs as little as can be.
+    ///
+    /// # Errors
+    /// No room, or as of [`Picture::of`].
+    pub fn admitted(self, service: &Service) -> Result<Picture, Problem> {
+        service.compute.room(Lane::Recognition)?;
+        self.checked(&service.decode)
     }
 }
 
@@ -144,7 +153,7 @@ impl FromRequest<Service> for OnePicture {
 /// A multipart body read part by part, under the limits of number, size and time.
 pub struct Form {
     multipart: Multipart,
-    meter: Meter,
+    pending_bytes: PendingBytes,
     limits: Limits,
     max_bytes: u64,
     parts: usize,
@@ -155,31 +164,32 @@ pub struct Form {
 /// One part of a form.
 pub struct Part<'a> {
     field: Field<'a>,
-    meter: Meter,
-    patience: Duration,
+    pending_bytes: PendingBytes,
+    timeout: Duration,
     max_form_bytes: u64,
 }
 
-/// Bytes that came since anything was made of them. The form's reader holds what it hasn't made anything of, so an
-/// endless head of a part would fill the memory.
+/// Counts the bytes that arrived since the form's reader last gave a chunk. The reader holds those, so the endless head of a
+/// part would fill the memory.
 #[derive(Clone, Default)]
-struct Meter(Arc<AtomicU64>);
+struct PendingBytes(Arc<AtomicU64>);
 
-/// Most bytes without anything made of them: a part's head, and what the connection reads at once.
+/// Most pending bytes: a part's head, and what the connection reads at once.
 const MAX_PENDING_BYTES: u64 = 2 << 20;
 
-impl Meter {
+impl PendingBytes {
     fn reset(&self) {
         self.0.store(0, Ordering::Relaxed);
     }
 
-    /// The same body; it breaks off when too much of it comes to nothing.
+    /// The same body; it ends with an error when too many bytes arrive without a part being read.
     fn watch(&self, body: Body) -> Body {
-        let meter = self.clone();
+        let pending_bytes = self.clone();
         Body::from_stream(body.into_data_stream().map(move |chunk| {
-            // Without its wrapper: the body gets one again, and under a second the limit's own error isn't seen.
+            // Without its wrapper: the body adds one again, and under two the limit's own error isn't found.
             let chunk = chunk.map_err(axum::Error::into_inner)?;
-            let pending = meter.0.fetch_add(chunk.len() as u64, Ordering::Relaxed) + chunk.len() as u64;
+            let pending =
+                pending_bytes.0.fetch_add(chunk.len() as u64, Ordering::Relaxed) + chunk.len() as u64;
             if pending > MAX_PENDING_BYTES {
                 return Err(std::io::Error::other("a part's head has no end").into());
             }
@@ -202,30 +212,28 @@ impl Form {
         let (parts, body) = request.into_parts();
         let body = body::limited(&parts.headers, body, max_bytes)?;
         let share = service.bodies.admit(&HeaderMap::new(), held_bytes)?;
-        let meter = Meter::default();
-        let request = Request::from_parts(parts, meter.watch(body));
+        let pending_bytes = PendingBytes::default();
+        let request = Request::from_parts(parts, pending_bytes.watch(body));
         let multipart = Multipart::from_request(request, service).await.map_err(|rejection| {
             Problem::new(Code::MalformedRequest, format!("the form can't be read: {}", rejection.body_text()))
         })?;
-        Ok(Self { multipart, meter, limits: service.limits.clone(), max_bytes, parts: 0, share })
+        Ok(Self { multipart, pending_bytes, limits: service.limits.clone(), max_bytes, parts: 0, share })
     }
 
     /// The next part with its name (empty when it has none). One part more than a batch has pictures is allowed: the
     /// manifest.
     pub async fn next(&mut self) -> Result<Option<(String, Part<'_>)>, Problem> {
-        let (patience, max_form_bytes) = (self.limits.body_timeout, self.max_bytes);
-        self.meter.reset();
-        let next = tokio::time::timeout(patience, self.multipart.next_field()).await;
-        let field = next
-            .map_err(|_| body::too_slow(patience))?
-            .map_err(|error| broken_form(&error, max_form_bytes))?;
+        let (timeout, max_form_bytes) = (self.limits.body_timeout, self.max_bytes);
+        self.pending_bytes.reset();
+        let next = body::in_time(timeout, self.multipart.next_field()).await?;
+        let field = next.map_err(|error| broken_form(&error, max_form_bytes))?;
         let Some(field) = field else { return Ok(None) };
         self.parts += 1;
         if self.parts > self.limits.max_batch_parts + 1 {
             return Err(too_many_parts(self.limits.max_batch_parts));
         }
         let name = field.name().unwrap_or_default().to_owned();
-        Ok(Some((name, Part { field, meter: self.meter.clone(), patience, max_form_bytes })))
+        Ok(Some((name, Part { field, pending_bytes: self.pending_bytes.clone(), timeout, max_form_bytes })))
     }
 }
 
@@ -246,11 +254,11 @@ impl Part<'_> {
     pub async fn read(mut self, max_bytes: u64) -> Result<Result<Bytes, Problem>, Problem> {
         let all = async {
             let (mut bytes, mut fits) = (BytesMut::new(), true);
-            self.meter.reset();
+            self.pending_bytes.reset();
             while let Some(chunk) =
                 self.field.chunk().await.map_err(|error| broken_form(&error, self.max_form_bytes))?
             {
-                self.meter.reset();
+                self.pending_bytes.reset();
                 fits &= (bytes.len() + chunk.len()) as u64 <= max_bytes;
                 if fits {
                     bytes.extend_from_slice(&chunk);
@@ -258,8 +266,7 @@ impl Part<'_> {
             }
             Ok(if fits { Ok(bytes.freeze()) } else { Err(body::too_large(max_bytes)) })
         };
-        let read = tokio::time::timeout(self.patience, all).await;
-        read.map_err(|_| body::too_slow(self.patience))?
+        body::in_time(self.timeout, all).await?
     }
 }
 
@@ -296,20 +303,19 @@ impl KnownParts {
         let mut form = Form::of(request, service, most, most).await?;
         let (mut bytes, mut faults) = (BTreeMap::new(), Vec::new());
         while let Some((name, part)) = form.next().await? {
-            let known = |names: &[&'static str]| names.iter().copied().find(|known| *known == name);
-            let (known, max_bytes) = match (known(pictures), known(texts)) {
-                (Some(known), _) => (known, max_picture_bytes),
-                (None, Some(known)) => (known, MAX_JSON_BYTES),
-                (None, None) => {
-                    // Read past it, keeping nothing.
-                    let _ = part.read(0).await?;
-                    let detail = format!("is no part of this form; its parts are {}", names(pictures, texts));
-                    faults.push(FieldError { pointer: format!("/{name}"), detail });
-                    if faults.len() >= MAX_PART_FAULTS {
-                        break;
-                    }
-                    continue;
+            let find = |names: &[&'static str]| names.iter().copied().find(|known| *known == name);
+            let picture = find(pictures).map(|known| (known, max_picture_bytes));
+            let Some((known, max_bytes)) = picture.or(find(texts).map(|known| (known, MAX_JSON_BYTES)))
+            else {
+                // Read past it, keeping nothing.
+                let _ = part.read(0).await?;
+                let names = [pictures, texts].concat().join(", ");
+                let detail = format!("is no part of this form; its parts are {names}");
+                faults.push(FieldError { pointer: format!("/{name}"), detail });
+                if faults.len() >= MAX_PART_FAULTS {
+                    break;
                 }
+                continue;
             };
             let read = part.read(max_bytes).await?.map_err(|problem| problem.in_part(known))?;
             if bytes.insert(known, read).is_some() {
@@ -356,13 +362,8 @@ impl KnownParts {
     }
 }
 
-/// Names of parts as a list for people.
-fn names(pictures: &[&str], texts: &[&str]) -> String {
-    [pictures, texts].concat().join(", ")
-}
-
 fn broken_form(error: &MultipartError, max_bytes: u64) -> Problem {
-    if body::ran_over(error) {
+    if body::is_over_limit(error) {
         return body::too_large(max_bytes);
     }
     Problem::new(Code::MalformedRequest, format!("the form can't be read: {}", error.body_text()))
@@ -370,23 +371,6 @@ fn broken_form(error: &MultipartError, max_bytes: u64) -> Problem {
 
 /// Longest value of a robot's header field.
 const MAX_HEADER_VALUE_BYTES: usize = 128;
-
-/// What the robot says about its frame, as an answer echoes it.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, ToSchema)]
-pub struct HeaderEcho {
-    /// `X-Robot-Id` as sent.
-    pub robot_id: Option<String>,
-    /// `X-Frame-Id` as sent.
-    pub frame_id: Option<String>,
-    /// `X-Stamp` as sent: RFC 3339 or `sec.nanosec`.
-    pub stamp: Option<String>,
-}
-
-impl From<FrameHeader> for HeaderEcho {
-    fn from(header: FrameHeader) -> Self {
-        Self { robot_id: header.robot_id, frame_id: header.frame_id, stamp: header.stamp }
-    }
-}
 
 /// The robot's header fields of a request.
 pub struct RobotHeader(pub FrameHeader);

@@ -8,17 +8,15 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::access::Who;
-use super::databases::DatabasePath;
 use super::extract::{Path, Query};
-use super::options::OptionsBody;
-use super::pages::{self, Page, PageQuery};
+use super::middleware::LONG_CALL;
+use super::pages::{Page, PageQuery, Paging};
+use super::paths::DatabasePath;
 use super::preconditions::Tags;
 use super::problem::{Code, Problem};
-use super::reports::ReportBody;
-use super::rim::LONG_CALL;
-use super::{Service, body};
-use crate::database::{Kind, Name, Options, Report, VersionRow};
+use super::{Service, body, put_status};
+use crate::access::Caller;
+use crate::database::{Kind, Name, Options, OptionsDocument, Report, VersionRow};
 
 /// The version that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -45,9 +43,9 @@ pub struct VersionBody {
     pub artifact_bytes: u64,
     /// What it was trained with. The colour of landmarks as it came out; the dimension and size of objects stand in the
     /// report.
-    pub options: OptionsBody,
+    pub options: OptionsDocument,
     pub counts: CountsBody,
-    pub report: ReportBody,
+    pub report: Report,
 }
 
 /// What a version was trained from.
@@ -90,7 +88,7 @@ impl TryFrom<VersionRow> for VersionBody {
             counts: serde_json::from_str(&row.counts).map_err(|error| unreadable("counts", &error))?,
             report: Report::from_document(kind, &row.report)
                 .map_err(|error| unreadable("report", &error))?
-                .into(),
+                .complete(),
             digest: row.digest,
         })
     }
@@ -107,8 +105,7 @@ pub async fn list(
     Path(path): Path<DatabasePath>,
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<VersionBody>>, Problem> {
-    let limit = pages::limit(page.limit)?;
-    let after = pages::after(page.cursor.as_deref())?;
+    let Paging { limit, after } = Paging::read(page.limit, page.cursor.as_deref())?;
     service.databases.get(&path.database).await?;
     let rows = service.databases.versions(&path.database, after, limit).await?;
     let page = Page::of(rows, limit, |row| row.version.to_string(), VersionBody::try_from);
@@ -138,11 +135,11 @@ pub async fn get(
 )]
 pub async fn delete(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<VersionPath>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    service.databases.delete_version(&path.database, path.version, &who.actor()).await?;
+    service.databases.delete_version(&path.database, path.version, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -163,9 +160,9 @@ pub async fn artifact(
 ) -> Result<Response, Problem> {
     service.databases.get(&path.database).await?;
     let row = service.databases.version(&path.database, path.version).await?;
-    let etag = match unless_known(&headers, &row.blob)? {
-        Freshness::Known(response) => return Ok(response),
-        Freshness::New(etag) => etag,
+    let etag = match if_none_match(&headers, &row.blob)? {
+        IfNoneMatch::NotModified(response) => return Ok(response),
+        IfNoneMatch::Modified(etag) => etag,
     };
     let bytes = service.databases.artifact(&row).await?;
     let name = format!("attachment; filename=\"{}-{}.safetensors\"", row.database, row.version);
@@ -181,25 +178,25 @@ pub async fn artifact(
     Ok((headers, bytes).into_response())
 }
 
-/// Whether the caller has what it asks for.
-pub enum Freshness {
-    /// It has: 304.
-    Known(Response),
-    /// It hasn't: the ETag of what it gets.
-    New(HeaderValue),
+/// The outcome of a conditional request.
+pub enum IfNoneMatch {
+    /// The caller has it: the answer 304.
+    NotModified(Response),
+    /// The caller hasn't: the ETag of what it gets.
+    Modified(HeaderValue),
 }
 
-/// Hold `If-None-Match` against the ETag of that name.
-pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Problem> {
+/// Compares the header `If-None-Match` with the ETag of that name.
+pub fn if_none_match(headers: &HeaderMap, name: &str) -> Result<IfNoneMatch, Problem> {
     let etag = format!("\"{name}\"");
-    // What can't be read says nothing of what the caller has: it gets the version.
-    let have = Tags::of(headers, header::IF_NONE_MATCH).ok().flatten();
-    let have = have.is_some_and(|tags| tags.hold_weakly(&etag));
+    // A header that can't be read says nothing of what the caller has: it gets the version.
+    let tags = Tags::of(headers, header::IF_NONE_MATCH).ok().flatten();
+    let matches = tags.is_some_and(|tags| tags.matches_weakly(&etag));
     let etag =
         HeaderValue::from_str(&etag).map_err(|_| Problem::new(Code::Internal, "the version has no ETag"))?;
-    Ok(match have {
-        true => Freshness::Known((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response()),
-        false => Freshness::New(etag),
+    Ok(match matches {
+        true => IfNoneMatch::NotModified((StatusCode::NOT_MODIFIED, [(header::ETAG, etag)]).into_response()),
+        false => IfNoneMatch::Modified(etag),
     })
 }
 
@@ -215,7 +212,7 @@ pub fn unless_known(headers: &HeaderMap, name: &str) -> Result<Freshness, Proble
 )]
 pub async fn import(
     State(service): State<Service>,
-    who: Who,
+    caller: Caller,
     Path(path): Path<DatabasePath>,
     request: Request,
 ) -> Result<(StatusCode, Json<VersionBody>), Problem> {
@@ -223,9 +220,9 @@ pub async fn import(
     service.databases.get(&path.database).await?;
     let most = service.limits.max_artifact_bytes;
     let _share = service.bodies.admit(&parts.headers, most)?;
-    // As long as the rim gives the whole call: an artifact is as large as a batch.
+    // As long as the middleware gives the whole call: an artifact is as large as a batch.
     let bytes = body::read_whole(body, most, service.limits.body_timeout * LONG_CALL).await?;
     let (row, created) =
-        service.databases.import(&path.database, bytes, &service.compute, &who.actor()).await?;
-    Ok((if created { StatusCode::CREATED } else { StatusCode::OK }, Json(row.try_into()?)))
+        service.databases.import(&path.database, bytes, &service.compute, &caller.actor()).await?;
+    Ok((put_status(created), Json(row.try_into()?)))
 }

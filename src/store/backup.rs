@@ -1,48 +1,59 @@
 //! A copy of a data folder, taken while the service runs on it or not.
 //!
-//! The rows first, as of one moment; then every blob that they name, proved by its name on the way. The copy grows
-//! beside its place, is synced, and gets its name last: half a copy is never taken for a whole one.
+//! Copies the rows first, as of one moment, then every blob that they name, proved by its name on the way. The copy is
+//! written beside its place, synced, and renamed last: half a copy is never taken for a whole one.
 
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::blobs::{BlobError, BlobName, Blobs};
-use super::catalogue::CatalogueError;
-use super::folder::{CollectionLock, FolderLock, OpenFolderError, open_beside, sync_directory};
+use super::blob_error::BlobError;
+use super::blob_name::BlobName;
+use super::blobs::Blobs;
+use super::error::CatalogueError;
+use super::file_lock::{FileLock, collection_lock_path};
+use super::folder::{self, OpenFolderError, open_unlocked_folder, sync_directory};
 use super::open::OpenCatalogueError;
-use super::sqlite::SqliteCatalogue;
+use super::sqlite::SqliteFile;
 
 /// Why a data folder wasn't copied. What was copied until then stands beside the place, and is overwritten by the
 /// next attempt.
 #[derive(Debug, thiserror::Error)]
 pub enum BackupError {
-    /// Something stands where the copy should be.
+    /// There is something at the place of the copy already.
     #[error("{} is there already: give the folder of a new backup", path.display())]
-    Exists { path: PathBuf },
+    Exists {
+        /// The place of the copy.
+        path: PathBuf,
+    },
     /// The folder can't be read.
     #[error(transparent)]
     Folder {
+        /// Why.
         #[from]
         source: OpenFolderError,
     },
     /// The rows can't be copied, or the copy can't be read.
     #[error("the catalogue can't be copied")]
     Catalogue {
+        /// The error of the catalogue, or of its opening.
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A blob can't be read or written now.
     #[error("the blobs can't be copied")]
     Blobs {
+        /// Why.
         #[from]
         source: BlobError,
     },
     /// The copy's folder can't be written.
     #[error("{} can't be written", path.display())]
     Write {
+        /// The file or folder.
         path: PathBuf,
+        /// Why.
         #[source]
         source: io::Error,
     },
@@ -63,6 +74,7 @@ impl From<OpenCatalogueError> for BackupError {
 /// What a copy holds.
 #[derive(Debug)]
 pub struct Backup {
+    /// The number of blobs.
     pub blobs: u64,
     /// Size of the blobs.
     pub bytes: u64,
@@ -73,6 +85,9 @@ pub struct Backup {
 /// Copies a data folder to `to`, which isn't there yet; to restore, serve on the copy.
 ///
 /// Everything acknowledged before the call is in it. A blob that is damaged doesn't keep the rest from being copied.
+///
+/// # Errors
+/// They say which file or folder, and why.
 pub async fn back_up(data_dir: &Path, to: &Path) -> Result<Backup, BackupError> {
     if to.exists() {
         return Err(BackupError::Exists { path: to.to_owned() });
@@ -81,30 +96,30 @@ pub async fn back_up(data_dir: &Path, to: &Path) -> Result<Backup, BackupError> 
         let path = path.to_owned();
         move |source| BackupError::Write { path, source }
     };
-    let source = open_beside(data_dir).await?;
-    let folder = data_dir.to_owned();
-    let locked = tokio::task::spawn_blocking(move || CollectionLock::shared(&folder)).await;
-    let _nothing_is_collected = locked.map_err(io::Error::other).flatten().map_err(writing(data_dir))?;
+    let source = open_unlocked_folder(data_dir).await?;
+    let collection = collection_lock_path(data_dir);
+    let locked = tokio::task::spawn_blocking(move || FileLock::shared(&collection)).await;
+    let _no_collection = locked.map_err(io::Error::other).flatten().map_err(writing(data_dir))?;
 
     let mut unfinished = to.as_os_str().to_owned();
     unfinished.push(".unfinished");
     let unfinished = PathBuf::from(unfinished);
     std::fs::create_dir_all(&unfinished).map_err(writing(&unfinished))?;
-    let lock = Arc::new(FolderLock::take(&unfinished)?);
+    let lock = Arc::new(folder::lock(&unfinished)?);
     empty(&unfinished).map_err(writing(&unfinished))?;
 
     let path = unfinished.join("catalogue.sqlite");
-    let rows = SqliteCatalogue::open_beside(&data_dir.join("catalogue.sqlite")).await?;
+    let rows = SqliteFile::open_unlocked(&data_dir.join("catalogue.sqlite")).await?;
     rows.copy_to(&path).await?;
     rows.close().await;
-    let copy = SqliteCatalogue::open_beside(&path).await?;
+    let copy = SqliteFile::open_unlocked(&path).await?;
     let named = copy.blobs_named().await?;
     copy.close().await;
 
     let blobs = Blobs::in_folder(&unfinished.join("blobs"), true, lock).await?;
     let mut backup = Backup { blobs: 0, bytes: 0, damaged: Vec::new() };
     for name in named {
-        let name: BlobName = name.parse()?;
+        let name: BlobName = name.parse().map_err(BlobError::from)?;
         match source.blobs.get(&name, u64::MAX).await {
             Ok(content) => {
                 backup.blobs += 1;
@@ -115,7 +130,7 @@ pub async fn back_up(data_dir: &Path, to: &Path) -> Result<Backup, BackupError> 
             Err(away) => return Err(away.into()),
         }
     }
-    // SQLite leaves a copy to whoever made it.
+    // SQLite does not sync a copy.
     File::open(&path).and_then(|file| file.sync_all()).map_err(writing(&path))?;
     sync_directory(&unfinished).map_err(writing(&unfinished))?;
     std::fs::rename(&unfinished, to).map_err(writing(to))?;
@@ -124,9 +139,12 @@ pub async fn back_up(data_dir: &Path, to: &Path) -> Result<Backup, BackupError> 
     Ok(backup)
 }
 
-/// What SQLite finds wrong with a data folder's catalogue; nothing, when all is well.
+/// What SQLite finds wrong with a data folder's catalogue; none when all is well.
+///
+/// # Errors
+/// The catalogue can't be opened or read.
 pub async fn catalogue_faults(data_dir: &Path) -> Result<Vec<String>, BackupError> {
-    let rows = SqliteCatalogue::open_beside(&data_dir.join("catalogue.sqlite")).await?;
+    let rows = SqliteFile::open_unlocked(&data_dir.join("catalogue.sqlite")).await?;
     let faults = rows.faults().await?;
     rows.close().await;
     Ok(faults)

@@ -3,21 +3,20 @@
 //! Everything about the bucket but its name comes from the usual AWS variables, which `object_store` reads itself:
 //! `AWS_ENDPOINT_URL` (or `AWS_ENDPOINT`), `AWS_REGION`, `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`,
 //! `AWS_SESSION_TOKEN`, and the roles of a container or a machine. The bucket is a part of the path unless
-//! `AWS_VIRTUAL_HOSTED_STYLE_REQUEST=true`. An endpoint that says `http://` is taken at its word:
-//! `AWS_ALLOW_HTTP` isn't needed. Certificates are judged by the roots of the operating system.
+//! `AWS_VIRTUAL_HOSTED_STYLE_REQUEST=true`. An endpoint with `http://` is used without TLS:
+//! `AWS_ALLOW_HTTP` isn't needed. Certificates are verified by the roots of the operating system.
 //!
-//! A call on a bucket that is away or hangs fails within about 5 s. Nothing is remembered of it, so that the next
-//! call finds out anew.
+//! A call on a bucket that is away or hangs fails within about 5 s. No state is kept of the failure: the next call tries
+//! again.
 
 use std::path::Path as FilePath;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bytes::Bytes;
 use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
 use object_store::path::Path;
 use object_store::prefix::PrefixStore;
-use object_store::{BackoffConfig, ClientOptions, ObjectStore, ObjectStoreExt, RetryConfig};
+use object_store::{BackoffConfig, ClientOptions, RetryConfig};
 use uuid::Uuid;
 
 use super::blobs::Blobs;
@@ -29,22 +28,23 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(4);
 /// Longest time of one request: 512 MiB at 1 MB/s.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(600);
-/// After this, what failed isn't tried again: a connection refused is, an answer that doesn't come isn't.
+/// A failure after this time isn't retried: so a refused connection is, and a missing answer isn't.
 const RETRY_TIMEOUT: Duration = Duration::from_millis(500);
-/// Content is sent in parts of this size (the least that S3 takes), each within `ANSWER_TIMEOUT`: at 1.3 MB/s at
-/// least. S3 takes 10 000 parts, 48 GiB; what is sent at once would end at 5 GiB.
-const PART_BYTES: usize = 5 << 20;
-
 /// Why the bucket can't be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenBucketError {
     /// The location isn't one.
     #[error("{location:?} names no bucket: give s3://bucket or s3://bucket/prefix")]
-    Location { location: String },
+    Location {
+        /// The location, as it was given.
+        location: String,
+    },
     /// The AWS variables are not right.
     #[error("the settings for {location} are not right: check the AWS_… variables of the environment")]
     Settings {
+        /// The location, as it was given.
         location: String,
+        /// The error of the bucket.
         #[source]
         source: object_store::Error,
     },
@@ -53,7 +53,9 @@ pub enum OpenBucketError {
         "can't open {location}: does the bucket exist, and do AWS_ENDPOINT_URL, AWS_REGION and the keys fit it?"
     )]
     Refused {
+        /// The location, as it was given.
         location: String,
+        /// The error of the bucket.
         #[source]
         source: object_store::Error,
     },
@@ -62,20 +64,28 @@ pub enum OpenBucketError {
         "{location} holds the blobs of another catalogue, which this one would take for orphans: give another prefix, \
          or, where the catalogue was restored from a backup and the old one is gone, delete landmarkd-blobs from it"
     )]
-    AnothersBlobs { location: String },
+    ForeignBlobs {
+        /// The location, as it was given.
+        location: String,
+    },
     /// The bucket doesn't answer now: the only one that may heal by itself.
     #[error("{location} cannot be reached now: is AWS_ENDPOINT_URL right?")]
     Unavailable {
+        /// The location, as it was given.
         location: String,
+        /// The error of the bucket.
         #[source]
         source: object_store::Error,
     },
 }
 
-/// Opens the blobs at `s3://bucket/prefix`, marking the place as ours where it is new; the bucket must exist.
+/// Opens the blobs at `s3://bucket/prefix`, and marks the place with the catalogue where it is new; the bucket must
+/// exist.
 ///
-/// What is read is kept in the folder `cache`, up to `cache_bytes`, for this process alone. Only `Unavailable` of
-/// the errors may pass by waiting. Blobs marked with another catalogue than the one given are refused.
+/// What is read is cached in the folder `cache`, up to `cache_bytes`, for this process alone.
+///
+/// # Errors
+/// `Unavailable` may heal by itself, no other does. `ForeignBlobs` when the place is marked with another catalogue.
 pub async fn open_bucket(
     location: &str,
     catalogue: Uuid,
@@ -85,14 +95,14 @@ pub async fn open_bucket(
     open(AmazonS3Builder::from_env(), location, catalogue, Cache::open(cache, cache_bytes).await).await
 }
 
-/// Opens a bucket whose endpoint and keys the builder has.
+/// Opens a bucket with the builder's endpoint and keys.
 pub(super) async fn open(
     builder: AmazonS3Builder,
     location: &str,
     catalogue: Uuid,
     cache: Cache,
 ) -> Result<Blobs, OpenBucketError> {
-    // One provider for the whole process; somebody else may have installed it.
+    // One provider for the whole process; it may be installed already.
     rustls::crypto::ring::default_provider().install_default().ok();
 
     let wrong = || OpenBucketError::Location { location: location.to_owned() };
@@ -115,14 +125,14 @@ pub(super) async fn open(
         .with_bucket_name(bucket)
         .with_client_options(client)
         .with_retry(retry)
-        // One at a time, which every store with S3's interface can do.
+        // Deletes one at a time, which every store with S3's interface can do.
         .with_disable_bulk_delete(true)
         .build()
         .map_err(|source| OpenBucketError::Settings { location: location.to_owned(), source })?;
     let location = location.to_owned();
     match Blobs::in_bucket(Arc::new(PrefixStore::new(store, prefix)), cache, catalogue).await {
         Ok(Some(blobs)) => Ok(blobs),
-        Ok(None) => Err(OpenBucketError::AnothersBlobs { location }),
+        Ok(None) => Err(OpenBucketError::ForeignBlobs { location }),
         Err(
             source @ (object_store::Error::NotFound { .. }
             | object_store::Error::PermissionDenied { .. }
@@ -140,43 +150,18 @@ fn parse(location: &str) -> Option<(&str, Path)> {
     (!bucket.is_empty() && bucket.chars().all(is_name)).then_some((bucket, prefix))
 }
 
-/// Writes an object whole or not at all, whatever stood there.
-///
-/// Parts of an upload that was cut off are never seen, but kept by S3: a life-cycle rule of the bucket
-/// (`AbortIncompleteMultipartUpload`) removes them.
-pub(super) async fn upload(
-    store: &dyn ObjectStore,
-    path: &Path,
-    content: Bytes,
-) -> Result<(), object_store::Error> {
-    if content.len() <= PART_BYTES {
-        store.put(path, content.into()).await?;
-        return Ok(());
-    }
-    let mut upload = store.put_multipart(path).await?;
-    let mut rest = content;
-    while !rest.is_empty() {
-        let part = rest.split_to(PART_BYTES.min(rest.len()));
-        if let Err(error) = upload.put_part(part.into()).await {
-            // Whoever waits hears of it first: this may take as long again.
-            tokio::spawn(async move { upload.abort().await });
-            return Err(error);
-        }
-    }
-    upload.complete().await?;
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use std::time::Instant;
 
-    use super::super::blobs::BlobError;
+    use bytes::Bytes;
+
+    use super::super::blob_error::BlobError;
     use super::*;
     use crate::store::suite::blobs::{Opened, blob_suite};
     use crate::store::suite::by;
     use crate::store::test_bucket::Bucket;
-    use crate::store::{BlobName, Folder, NewVersion, open_folder};
+    use crate::store::{BlobName, Folder, NewVersion, collect_orphans, open_folder};
 
     /// What a call on a bucket that is away may take, on a busy machine.
     const SOON: Duration = Duration::from_secs(6);
@@ -258,7 +243,7 @@ mod tests {
         open_at(&bucket, directory.path(), 0).await.unwrap();
         let cache = Cache::open(directory.path(), 0).await;
         let other = open(builder(&bucket.endpoint()), &bucket.location(), Uuid::max(), cache).await;
-        assert!(matches!(other, Err(OpenBucketError::AnothersBlobs { .. })), "{other:?}");
+        assert!(matches!(other, Err(OpenBucketError::ForeignBlobs { .. })), "{other:?}");
         bucket.goes_away();
         let refused = open_at(&bucket, directory.path(), 0).await.unwrap_err();
         assert!(matches!(refused, OpenBucketError::Unavailable { .. }), "{refused:?}");
@@ -358,7 +343,7 @@ mod tests {
 
         // Times of objects are whole seconds.
         let age = Duration::from_secs(2);
-        let collect = async || blobs.collect_orphans(age, &*catalogue).await.unwrap().removed;
+        let collect = async || collect_orphans(&blobs, age, &catalogue).await.unwrap().removed;
         let grow_old = || tokio::time::sleep(age + Duration::from_millis(1100));
         assert_eq!(collect().await, 0);
         grow_old().await;

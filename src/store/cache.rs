@@ -2,7 +2,8 @@
 //!
 //! A file is named as its blob and proved by its hash on every reading; one that is damaged is removed, and the
 //! blob is fetched again. A file's time of change is when it was last used, so that the order outlives the process.
-//! Nothing here is needed: without room or rights on the disk, nothing is kept. One process at a time uses a folder.
+//! Without room or rights on the disk nothing is kept, and every blob is read from the bucket. One process at a time
+//! uses a folder.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
@@ -14,7 +15,7 @@ use std::time::SystemTime;
 
 use bytes::Bytes;
 
-use super::blobs::BlobName;
+use super::blob_name::BlobName;
 
 /// The cache; copies share it.
 #[derive(Debug, Clone)]
@@ -32,7 +33,7 @@ struct Inner {
     warned: AtomicBool,
 }
 
-/// What stands in the folder, by name and by use; finished files come and go with its lock held.
+/// The finished files in the folder, by name and by use; its lock is held while one is added or removed.
 #[derive(Debug, Default)]
 struct Index {
     entries: HashMap<BlobName, Entry>,
@@ -91,17 +92,17 @@ impl Cache {
         cache
     }
 
-    /// A blob that is kept here, proved.
+    /// A cached blob whose content was verified.
     pub(super) async fn get(&self, name: BlobName) -> Option<Bytes> {
         self.run(move |inner| inner.get(&name)).await.flatten()
     }
 
-    /// Keeps a blob, whose name the caller has proved.
+    /// Caches a blob, whose name the caller has verified.
     pub(super) async fn keep(&self, name: BlobName, content: Bytes) {
         self.run(move |inner| inner.keep(name, &content)).await;
     }
 
-    /// Works with files off the async threads; none when the runtime is shutting down.
+    /// Runs work on files outside the async threads; none when the runtime is shutting down.
     async fn run<T: Send + 'static>(&self, work: impl FnOnce(&Inner) -> T + Send + 'static) -> Option<T> {
         let inner = Arc::clone(&self.inner);
         tokio::task::spawn_blocking(move || work(&inner)).await.ok()
@@ -110,14 +111,14 @@ impl Cache {
 
 impl Inner {
     fn open(&self) {
-        if let Err(error) = self.take_stock() {
+        if let Err(error) = self.scan() {
             self.warn(&error);
         }
         self.make_room(0);
     }
 
-    /// Lists what an earlier process left, and removes what it didn't finish.
-    fn take_stock(&self) -> io::Result<()> {
+    /// Indexes the files of an earlier process, and removes those that it didn't finish.
+    fn scan(&self) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
         let mut found = Vec::new();
         for entry in fs::read_dir(&self.folder)? {
@@ -149,7 +150,7 @@ impl Inner {
                     self.warn(&error);
                 }
                 let mut index = self.index();
-                // Somebody may just have put it there.
+                // Another call may have put it there in the meantime.
                 if !path.exists() {
                     index.remove(name);
                 }
@@ -163,7 +164,7 @@ impl Inner {
             return None;
         }
         self.index().touch(name);
-        // Only the order after a start is the worse for a time that can't be set.
+        // A failure only affects the order of use after the next start.
         File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now())).ok();
         Some(content)
     }
@@ -188,7 +189,8 @@ impl Inner {
         }
     }
 
-    /// Takes `bytes` into the account and removes what they leave no room for; false when they are too many.
+    /// Reserves `bytes`, and removes the least recently used files that leave no room for them; false when `bytes` exceed
+    /// the limit.
     fn make_room(&self, bytes: u64) -> bool {
         if bytes > self.limit_bytes {
             return false;
@@ -196,7 +198,7 @@ impl Inner {
         let mut index = self.index();
         index.bytes += bytes;
         while index.bytes > self.limit_bytes {
-            // None when all is being written by others, who will be over the limit for a moment.
+            // None when other calls are writing all of it, and exceed the limit for a moment.
             let Some((_, name)) = index.by_use.pop_first() else { break };
             index.remove(&name);
             if let Err(error) = fs::remove_file(self.path(&name))

@@ -8,15 +8,18 @@
 //! <data-dir>/quarantine/       blobs that were not what their names say
 //! ```
 
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::blobs::{BlobError, Blobs};
+use super::blob_error::BlobError;
+use super::blobs::Blobs;
 use super::catalogue::Catalogue;
+use super::file_lock::FileLock;
 use super::open::OpenCatalogueError;
-use super::sqlite::SqliteCatalogue;
+use super::session::Backend;
+use super::sqlite::SqliteFile;
 
 /// Why the data folder can't be opened.
 #[derive(Debug, thiserror::Error)]
@@ -24,7 +27,9 @@ pub enum OpenFolderError {
     /// The folder can't be created, or not durably.
     #[error("cannot create the data folder {}", path.display())]
     Create {
+        /// The data folder.
         path: PathBuf,
+        /// Why.
         #[source]
         source: io::Error,
     },
@@ -33,35 +38,50 @@ pub enum OpenFolderError {
         "the data folder {} is in use by another process: stop that one, or choose another folder",
         path.display()
     )]
-    InUse { path: PathBuf },
+    InUse {
+        /// The data folder.
+        path: PathBuf,
+    },
     /// There are blobs, and no rows that name them.
     #[error(
         "the data folder {} has blobs, but its catalogue.sqlite is gone or empty: restore it from a backup, or choose \
          another folder",
         path.display()
     )]
-    CatalogueLost { path: PathBuf },
+    CatalogueLost {
+        /// The data folder.
+        path: PathBuf,
+    },
     /// Nothing was ever served there.
     #[error("{} is no data folder: it has no catalogue.sqlite", path.display())]
-    Empty { path: PathBuf },
+    Empty {
+        /// The data folder.
+        path: PathBuf,
+    },
     /// The lock file can't be made or locked.
     #[error("cannot lock {}", path.display())]
     Lock {
+        /// The lock file.
         path: PathBuf,
+        /// Why.
         #[source]
         source: io::Error,
     },
     /// The catalogue can't be opened.
     #[error("cannot open the catalogue {}", path.display())]
     Catalogue {
+        /// The file of the catalogue.
         path: PathBuf,
+        /// Why.
         #[source]
         source: OpenCatalogueError,
     },
     /// The folder of the blobs can't be opened.
     #[error("cannot open the blobs in {}: is its disk mounted?", path.display())]
     Blobs {
+        /// The folder of the blobs.
         path: PathBuf,
+        /// Why.
         #[source]
         source: BlobError,
     },
@@ -69,63 +89,33 @@ pub enum OpenFolderError {
 
 /// What a data folder holds.
 pub struct Folder {
-    pub catalogue: Arc<dyn Catalogue>,
+    /// The rows.
+    pub catalogue: Arc<Catalogue>,
+    /// The bytes.
     pub blobs: Blobs,
 }
 
-/// Proof that no other process works in the folder; the lock ends with the last copy, or with the process.
-#[derive(Debug)]
-pub struct FolderLock {
-    _file: File,
-}
-
-impl FolderLock {
-    pub(super) fn take(data_dir: &Path) -> Result<Self, OpenFolderError> {
-        let path = data_dir.join("lock");
-        let file =
-            File::create(&path).map_err(|source| OpenFolderError::Lock { path: path.clone(), source })?;
-        match file.try_lock() {
-            Ok(()) => Ok(Self { _file: file }),
-            Err(TryLockError::WouldBlock) => Err(OpenFolderError::InUse { path: data_dir.to_owned() }),
-            Err(TryLockError::Error(source)) => Err(OpenFolderError::Lock { path, source }),
-        }
-    }
-}
-
-/// Holds the collector of orphans off, or everybody who would hold it off; ends when it is dropped.
-#[derive(Debug)]
-pub struct CollectionLock {
-    _file: File,
-}
-
-impl CollectionLock {
-    /// To collect: nothing while somebody else collects or copies.
-    pub(super) fn alone(data_dir: &Path) -> io::Result<Option<Self>> {
-        let file = File::create(data_dir.join("collection"))?;
-        match file.try_lock() {
-            Ok(()) => Ok(Some(Self { _file: file })),
-            Err(TryLockError::WouldBlock) => Ok(None),
-            Err(TryLockError::Error(source)) => Err(source),
-        }
-    }
-
-    /// To copy: waits until nobody collects.
-    pub(super) fn shared(data_dir: &Path) -> io::Result<Self> {
-        let file = File::create(data_dir.join("collection"))?;
-        file.lock_shared()?;
-        Ok(Self { _file: file })
+/// The lock that shows that no other process works in the folder. Errors: `InUse`, `Lock`.
+pub(super) fn lock(data_dir: &Path) -> Result<FileLock, OpenFolderError> {
+    let path = data_dir.join("lock");
+    match FileLock::try_exclusive(&path) {
+        Ok(Some(lock)) => Ok(lock),
+        Ok(None) => Err(OpenFolderError::InUse { path: data_dir.to_owned() }),
+        Err(source) => Err(OpenFolderError::Lock { path, source }),
     }
 }
 
 /// Opens a data folder, creating it where needed, and holds it until the catalogue and the blobs are dropped.
 ///
-/// Errors say which file, why, and what to do; `InUse` when another process, or another call, holds the folder.
+/// # Errors
+/// They say which file, why, and what to do. `InUse` when another process, or another call, holds the folder.
 pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     create(data_dir).map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
-    let lock = Arc::new(FolderLock::take(data_dir)?);
+    let lock = Arc::new(lock(data_dir)?);
 
-    // Made before the catalogue, so a catalogue without blobs means that they were lost or are not mounted, and blobs
-    // without a catalogue that it was lost: they would all be orphans. A crash at the first start leaves an empty file.
+    // The blobs are created before the catalogue. So a catalogue without blobs means that they were lost or are not
+    // mounted, and blobs without a catalogue mean that it was lost: they would all be orphans. A crash at the first start
+    // leaves an empty file.
     let new = !data_dir.join("catalogue.sqlite").exists();
     let path = data_dir.join("blobs");
     let rows_bytes = std::fs::metadata(data_dir.join("catalogue.sqlite")).map_or(0, |file| file.len());
@@ -138,11 +128,11 @@ pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     };
 
     let path = data_dir.join("catalogue.sqlite");
-    let catalogue = match SqliteCatalogue::open(&path, lock).await {
-        Ok(catalogue) => Arc::new(catalogue),
+    let catalogue = match SqliteFile::open(&path, lock).await {
+        Ok(file) => Arc::new(Catalogue::new(Backend::Sqlite(file))),
         Err(source) => return Err(OpenFolderError::Catalogue { path, source }),
     };
-    // The names of the files just made must survive power loss as their contents do.
+    // The names of the files just created must survive power loss as their contents do.
     sync_directory(data_dir)
         .map_err(|source| OpenFolderError::Create { path: data_dir.to_owned(), source })?;
     Ok(Folder { catalogue, blobs })
@@ -150,19 +140,21 @@ pub async fn open_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
 
 /// Opens a data folder beside a process that may be serving it: without its lock, and with its tables as they are.
 ///
-/// Blobs that another process may be writing are left alone. Errors: one of a newer or older release is refused,
-/// and nothing is created.
-pub async fn open_beside(data_dir: &Path) -> Result<Folder, OpenFolderError> {
+/// Blobs that another process may be writing are left alone, and nothing is created.
+///
+/// # Errors
+/// They say which file, why, and what to do. A catalogue of a newer or older release is refused.
+pub async fn open_unlocked_folder(data_dir: &Path) -> Result<Folder, OpenFolderError> {
     let path = data_dir.join("catalogue.sqlite");
     if !path.exists() {
         return Err(OpenFolderError::Empty { path: data_dir.to_owned() });
     }
-    let catalogue = match SqliteCatalogue::open_beside(&path).await {
-        Ok(catalogue) => Arc::new(catalogue),
+    let catalogue = match SqliteFile::open_unlocked(&path).await {
+        Ok(file) => Arc::new(Catalogue::new(Backend::Sqlite(file))),
         Err(source) => return Err(OpenFolderError::Catalogue { path, source }),
     };
     let path = data_dir.join("blobs");
-    let blobs = match Blobs::beside(&path).await {
+    let blobs = match Blobs::in_unlocked_folder(&path).await {
         Ok(blobs) => blobs,
         Err(source) => return Err(OpenFolderError::Blobs { path, source }),
     };
@@ -204,7 +196,7 @@ mod tests {
     use crate::store::suite::{self, by, catalogue_suite};
     use crate::store::{AliasExpectation, BlobName, NewVersion};
 
-    async fn empty() -> (Arc<dyn Catalogue>, (tempfile::TempDir, Blobs)) {
+    async fn empty() -> (Arc<Catalogue>, (tempfile::TempDir, Blobs)) {
         let directory = tempfile::tempdir().unwrap();
         let folder = open_folder(directory.path()).await.unwrap();
         (folder.catalogue, (directory, folder.blobs))
@@ -392,11 +384,11 @@ mod tests {
     #[tokio::test]
     async fn a_folder_is_opened_beside_the_process_that_serves_it() {
         let directory = tempfile::tempdir().unwrap();
-        let refused = open_beside(directory.path()).await.err().unwrap();
+        let refused = open_unlocked_folder(directory.path()).await.err().unwrap();
         assert!(matches!(refused, OpenFolderError::Empty { .. }), "{refused:?}");
         let served = open_folder(directory.path()).await.unwrap();
         let blob = served.blobs.put("picture".into()).await.unwrap();
-        let beside = open_beside(directory.path()).await.unwrap();
+        let beside = open_unlocked_folder(directory.path()).await.unwrap();
         beside.catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
         assert!(served.catalogue.database("lab").await.unwrap().is_some());
         assert_eq!(beside.blobs.get(&blob, 7).await.unwrap(), "picture");
@@ -419,7 +411,7 @@ mod tests {
             ("DELETE FROM _sqlx_migrations WHERE version = 2", true),
         ] {
             sqlx::query(statement).execute(&pool).await.unwrap();
-            assert_eq!(open_beside(directory.path()).await.is_err(), is_refused, "{statement}");
+            assert_eq!(open_unlocked_folder(directory.path()).await.is_err(), is_refused, "{statement}");
         }
         let left: i64 = sqlx::query_scalar("SELECT count(*) FROM _sqlx_migrations WHERE version = 2")
             .fetch_one(&pool)

@@ -2,39 +2,56 @@
 //! bucket).
 //!
 //! Write order is the whole protocol: the blob first, then its row, then the alias, the last two in one
-//! transaction. A crash leaves at most an orphan blob, which `Blobs::collect_orphans` removes by age.
+//! transaction. A crash leaves at most an orphan blob, which `collect_orphans` removes by age.
 //! This is the only room that knows `sqlx` and `object_store`, and the only one that touches the disk.
 
-mod audit;
+mod advice;
 mod backup;
+mod blob_error;
+mod blob_name;
 mod blobs;
 mod bucket;
 mod cache;
 mod catalogue;
+mod error;
+mod file_lock;
 mod folder;
-mod job_end;
 mod open;
-mod outage;
+mod orphans;
 mod postgres;
-mod row;
+mod query;
+mod session;
 mod sqlite;
 #[cfg(test)]
 mod suite;
+mod tables;
 /// A private bucket, shared with the tests of whole processes.
 #[cfg(test)]
 #[path = "../../tests/fleet/bucket.rs"]
 mod test_bucket;
+mod upload;
 
-pub use audit::{Actor, AuditFilter, AuditRow};
+pub use advice::operator_advice;
 pub use backup::{Backup, BackupError, back_up, catalogue_faults};
-pub use blobs::{BlobError, BlobName, Blobs, Collected};
+pub use blob_error::BlobError;
+pub use blob_name::{BlobName, InvalidBlobName};
+pub use blobs::Blobs;
 pub use bucket::{OpenBucketError, open_bucket};
-pub use catalogue::{
-    AliasExpectation, AliasRow, AliasTarget, CalibrationRow, Catalogue, CatalogueError, DatabaseCounts,
-    DatabaseRow, ExemplarFilter, ExemplarRow, JobEventRow, JobFilter, JobRow, JobState, KeyRow, NewKey,
-    NewVersion, ProcessRow, Progress, Renewal, Turn, UnknownJobState, VersionRow, WorkcellRow,
-};
-pub use folder::{Folder, OpenFolderError, open_beside, open_folder};
+pub use catalogue::{Catalogue, CollectionGuard, open_postgres};
+pub use error::CatalogueError;
+pub use folder::{Folder, OpenFolderError, open_folder, open_unlocked_folder};
 pub use open::OpenCatalogueError;
-pub use outage::outage;
-pub use postgres::open_postgres;
+pub use orphans::{OrphanCollection, collect_orphans};
+pub use tables::aliases::{AliasExpectation, AliasRow, AliasTarget};
+pub use tables::audit::{Actor, AuditFilter, AuditRow};
+pub use tables::calibrations::CalibrationRow;
+pub use tables::databases::{DatabaseCounts, DatabaseRow};
+pub use tables::exemplars::{ExemplarFilter, ExemplarRow};
+pub use tables::job_events::JobEventRow;
+pub use tables::job_row::{JobRow, Progress};
+pub use tables::job_state::{JobState, UnknownJobState};
+pub use tables::jobs::{JobFilter, Renewal};
+pub use tables::keys::{KeyRow, NewKey};
+pub use tables::processes::ProcessRow;
+pub use tables::versions::{NewVersion, VersionRow};
+pub use tables::workcells::WorkcellRow;

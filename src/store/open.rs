@@ -2,14 +2,14 @@
 
 use sqlx::migrate::MigrateError;
 
-use super::row::is_damage;
+use super::error::is_damage;
 
 /// PostgreSQL's codes for a server that is starting, stopping, full, fenced off or read-only for now.
 const AWAY_CLASSES: [&str; 3] = ["08", "53", "57"];
 const AWAY_CODES: [&str; 2] = ["25006", "55P03"];
 /// PostgreSQL's code for a database that doesn't exist.
 const NO_DATABASE: &str = "3D000";
-/// PostgreSQL's codes for a user who isn't let in, or may not do what is needed.
+/// PostgreSQL's codes for a user who is refused, or may not do what is needed.
 const REFUSED_CLASS: &str = "28";
 const REFUSED_CODE: &str = "42501";
 
@@ -22,6 +22,7 @@ pub enum OpenCatalogueError {
     /// The file isn't a whole catalogue.
     #[error("it is damaged: restore the folder from a backup")]
     Damaged {
+        /// What SQLite reports.
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
@@ -34,7 +35,7 @@ pub enum OpenCatalogueError {
     /// There is no such database on the server.
     #[error("PostgreSQL has no such database: create it (createdb), or correct the address")]
     NoDatabase(#[source] sqlx::Error),
-    /// PostgreSQL doesn't let this user in, or not without TLS, or doesn't let it create tables.
+    /// PostgreSQL refuses this user, or refuses it without TLS, or doesn't allow it to create tables.
     #[error(
         "PostgreSQL refuses: check the user, the password, the user's rights, and sslmode in the address"
     )]
@@ -43,25 +44,31 @@ pub enum OpenCatalogueError {
     #[error(
         "it was written by a newer release (migration {migration}): run that release, or restore a backup"
     )]
-    Newer { migration: i64 },
-    /// It lacks a migration of this program, and isn't to be changed here.
+    Newer {
+        /// Its number.
+        migration: i64,
+    },
+    /// It lacks a migration of this program, and must not be changed while another process may serve it.
     #[error(
         "it was written by an older release (migration {migration} is missing): serve it once with this one"
     )]
-    Older { migration: i64 },
+    Older {
+        /// Its number.
+        migration: i64,
+    },
     /// Bringing the tables up to date failed.
     #[error("its tables cannot be brought up to date")]
     Migrate(#[source] MigrateError),
 }
 
 impl OpenCatalogueError {
-    /// What it means that SQLite didn't open.
-    pub(super) fn of_sqlite(error: sqlx::Error) -> Self {
+    /// The reason why SQLite didn't open.
+    pub(super) fn from_sqlite(error: sqlx::Error) -> Self {
         if is_damage(&error) { Self::Damaged { source: error.into() } } else { Self::Open(error) }
     }
 
-    /// What it means that SQLite's tables weren't brought up to date.
-    pub(super) fn of_sqlite_migration(error: MigrateError) -> Self {
+    /// The reason why SQLite's tables weren't brought up to date.
+    pub(super) fn from_sqlite_migration(error: MigrateError) -> Self {
         match error {
             MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) if is_damage(&error) => {
                 Self::Damaged { source: error.into() }
@@ -70,8 +77,8 @@ impl OpenCatalogueError {
         }
     }
 
-    /// What it means that PostgreSQL didn't open.
-    pub(super) fn of_postgres(error: sqlx::Error) -> Self {
+    /// The reason why PostgreSQL didn't open.
+    pub(super) fn from_postgres(error: sqlx::Error) -> Self {
         let code = match &error {
             sqlx::Error::Configuration(_) => return Self::Address(error),
             sqlx::Error::Tls(_) | sqlx::Error::Protocol(_) => return Self::Refused(error),
@@ -89,11 +96,11 @@ impl OpenCatalogueError {
         }
     }
 
-    /// What it means that PostgreSQL's tables weren't brought up to date.
-    pub(super) fn of_migration(error: MigrateError) -> Self {
+    /// The reason why PostgreSQL's tables weren't brought up to date.
+    pub(super) fn from_postgres_migration(error: MigrateError) -> Self {
         match error {
             MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => {
-                match Self::of_postgres(error) {
+                match Self::from_postgres(error) {
                     Self::Open(error) => Self::Migrate(error.into()),
                     away_or_refused => away_or_refused,
                 }

@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use axum::Router;
@@ -16,6 +16,7 @@ use bytes::Bytes;
 use futures_util::stream;
 use http_body_util::BodyExt;
 use landmarkd::access::{Actor, Grant, Scope};
+use landmarkd::compute::Lane;
 use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::database::JobState;
 use landmarkd::http::{self, Service};
@@ -29,9 +30,7 @@ use tokio::task::{JoinError, JoinHandle, block_in_place};
 use tower::ServiceExt;
 
 use crate::pictures;
-
-/// Longer than any wait of a test should be.
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::waits::{BOUND, until};
 
 pub struct App {
     pub service: Service,
@@ -61,9 +60,7 @@ impl App {
     pub async fn open(folder: Arc<TempDir>, change: impl FnOnce(&mut Settings)) -> Self {
         let mut app = Self::open_idle(folder, change).await;
         app.begin();
-        while app.readiness().await.0 != 200 {
-            tokio::time::sleep(Duration::from_millis(2)).await;
-        }
+        until("ready", async || app.readiness().await.0 == 200).await;
         app
     }
 
@@ -160,7 +157,7 @@ impl App {
             let body = body.collect().await.unwrap().to_bytes();
             Answer { asked: asked.clone(), status: parts.status.as_u16(), headers: parts.headers, body }
         };
-        let answer = tokio::time::timeout(PATIENCE, answering).await;
+        let answer = tokio::time::timeout(BOUND, answering).await;
         answer.unwrap_or_else(|_| panic!("no answer to {asked}"))
     }
 
@@ -276,6 +273,24 @@ impl Drop for App {
         });
         let complains = !self.may_leave_jobs && !std::thread::panicking();
         assert!(!complains || left.is_empty(), "the test leaves jobs: {left:?}");
+    }
+}
+
+/// Occupies every thread of a lane until it is dropped.
+pub struct Occupied(Vec<mpsc::Sender<()>>);
+
+impl Occupied {
+    pub async fn lane(app: &App, lane: Lane) -> Self {
+        let held = (0..app.service.compute.threads(lane)).map(|_| {
+            let (release, held) = mpsc::channel::<()>();
+            let compute = app.service.compute.clone();
+            // Ends when the sender is dropped.
+            tokio::spawn(async move { compute.run(lane, 0, move || held.recv()).await.is_ok() });
+            release
+        });
+        let held = Self(held.collect());
+        until("all run", async || app.service.compute.running(lane) == held.0.len()).await;
+        held
     }
 }
 

@@ -104,7 +104,7 @@ async fn what_the_console_lacks_is_a_problem_whose_type_leads_to_a_page() {
 #[tokio::test(flavor = "multi_thread")]
 async fn every_kind_of_problem_has_a_page_that_says_what_to_do() {
     let app = App::start().await;
-    for code in landmarkd::http::problem::Code::ALL {
+    for code in landmarkd::problem::Code::ALL {
         let text = page(&app, &format!("/problems/{}", code.word())).await;
         assert!(text.contains(code.word()) && text.contains("What to do"), "{}: {text}", code.word());
         assert!(!text.contains("<key>"), "what looks like an element is text");

@@ -5,6 +5,7 @@ use bytes::Bytes;
 use landmarkd_core::depth::scene::Relief;
 use landmarkd_core::imaging::encode::png_gray8;
 use landmarkd_core::imaging::{DecodeLimits, decode};
+use landmarkd_core::statistics::median;
 use serde_json::{Value, json};
 
 use crate::app::{Answer, App, form, form_type, pointers, request, with_bytes};
@@ -58,8 +59,8 @@ async fn a_slant_is_measured_and_told_in_every_form() {
     let known: Vec<(f32, f64)> =
         depths_mm.iter().copied().zip(seen.depth_mm).filter(|(depth, _)| depth.is_finite()).collect();
     let mut errors: Vec<f64> = known.iter().map(|(depth, truth)| (f64::from(*depth) - truth).abs()).collect();
-    errors.sort_by(f64::total_cmp);
-    assert!(errors[errors.len() / 2] < 0.01 * range_mm, "half are off by {} mm", errors[errors.len() / 2]);
+    let half_mm = median(&mut errors, f64::total_cmp).unwrap();
+    assert!(half_mm < 0.01 * range_mm, "half are off by {half_mm} mm");
     let least = known.iter().map(|(depth, _)| f64::from(*depth)).fold(f64::MAX, f64::min);
     assert!((told["depth_mm"]["min"].as_f64().unwrap() - least).abs() < 1e-3, "{told:#}");
     assert!((number("coverage") - known.len() as f64 / (width * height) as f64).abs() < 1e-6);

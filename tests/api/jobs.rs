@@ -1,15 +1,13 @@
 //! Jobs: watched from their first state to their last, cancelled, and failed with a reason.
 
-use std::sync::mpsc;
-use std::time::Duration;
-
 use axum::body::Body;
 use axum::http::Method;
 use landmarkd::compute::Lane;
 use serde_json::{Value, json};
 
-use crate::app::{App, request};
+use crate::app::{App, Occupied, request};
 use crate::pictures::flat_png;
+use crate::waits::until;
 
 /// One server-sent event: its number and the job as it was then.
 fn events(stream: &[u8]) -> Vec<(u64, Value)> {
@@ -41,26 +39,6 @@ async fn followed(app: &App, job: &Value, after: Option<u64>) -> Vec<(u64, Value
     events(&answer.body)
 }
 
-/// Occupies every thread of a lane until it is dropped.
-struct Occupied(Vec<mpsc::Sender<()>>);
-
-impl Occupied {
-    async fn lane(app: &App, lane: Lane) -> Self {
-        let held = (0..app.service.compute.threads(lane)).map(|_| {
-            let (release, held) = mpsc::channel::<()>();
-            let compute = app.service.compute.clone();
-            // Ends when the sender is dropped.
-            tokio::spawn(async move { compute.run(lane, 0, move || held.recv()).await.is_ok() });
-            release
-        });
-        let held = Self(held.collect());
-        while app.service.compute.running(lane) < held.0.len() {
-            tokio::time::sleep(Duration::from_millis(1)).await;
-        }
-        held
-    }
-}
-
 async fn queue(app: &App) -> Value {
     let answer = app.post("/v1/databases/lab/trainings", json!({})).await;
     let job = answer.expect(202);
@@ -76,9 +54,7 @@ async fn two_places(app: &App) {
 
 async fn reaches(app: &App, job: &Value, state: &str) {
     let path = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
-    while app.get(&path).await.expect(200)["state"] != state {
-        tokio::time::sleep(Duration::from_millis(2)).await;
-    }
+    until(state, async || app.get(&path).await.expect(200)["state"] == state).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

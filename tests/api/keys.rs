@@ -2,8 +2,7 @@
 
 use std::path::Path;
 use std::process::Output;
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use axum::body::Body;
 use axum::http::{Method, header};
@@ -12,9 +11,10 @@ use landmarkd::compute::Lane;
 use landmarkd::http::openapi;
 use serde_json::{Value, json};
 
-use crate::app::{Answer, App, pointers, request, with_bytes};
+use crate::app::{Answer, App, Occupied, pointers, request, with_bytes};
 use crate::pictures::scene_png;
 use crate::process::{Process, landmarkd};
+use crate::waits::until;
 
 const SCOPES: [&str; 4] = ["recognise", "contribute", "train", "admin"];
 
@@ -209,12 +209,8 @@ async fn a_revoked_key_is_refused_at_once_and_the_service_stays_closed() {
         let key = String::from_utf8(made.stdout).unwrap().trim().to_owned();
         (key.clone(), key.split('_').nth(1).unwrap().to_owned())
     };
-    let begun = Instant::now();
     app.use_key(Some(&admin));
-    while app.get("/v1/info").await.status != 200 {
-        assert!(begun.elapsed() < Duration::from_secs(10), "a key made beside the service isn't taken");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    until("a key made beside the service is taken", async || app.get("/v1/info").await.status == 200).await;
     let listed = app.get("/v1/keys").await.expect(200);
     let used = listed["items"].as_array().unwrap().iter().find(|key| key["id"] == id.as_str()).unwrap();
     assert!(used["last_used_at"].is_string() && used["revoked_at"].is_null(), "{used:#}");
@@ -258,8 +254,10 @@ async fn who_follows_a_job_is_cut_off_when_the_key_is_revoked() {
     // The job is queued and stays so: its stream would last for ever.
     let following = app.send(asked.body(Body::empty()).unwrap());
     let revoking = async {
-        tokio::time::sleep(Duration::from_millis(100)).await;
-        app.delete(&format!("/v1/keys/{id}")).await.expect(204);
+        let path = format!("/v1/keys/{id}");
+        let is_used = async || app.get(&path).await.expect(200)["last_used_at"].is_string();
+        until("the key is used", is_used).await;
+        app.delete(&path).await.expect(204);
     };
     let (followed, ()) = tokio::join!(following, revoking);
     assert_eq!(followed.status, 200);
@@ -287,8 +285,7 @@ async fn a_key_is_used_as_often_as_it_may_be_and_others_are_not_held_up() {
         app.get("/v1/databases").await.expect(200);
     }
     app.use_key(Some(&slow));
-    tokio::time::sleep(Duration::from_secs(1)).await;
-    app.get("/v1/databases").await.expect(200);
+    until("a request is earned again", async || app.get("/v1/databases").await.status == 200).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -356,14 +353,10 @@ async fn other_machines_are_let_in_only_where_a_key_is_asked_for() {
     assert_eq!((&listed[0]["name"], &listed[0]["scope"]), (&json!("operator"), &json!("admin")));
     let id = listed[0]["id"].as_str().unwrap();
     keys(folder.path(), &["revoke", id]);
-    let begun = Instant::now();
-    while info(Some(key)).await == 200 {
-        assert!(begun.elapsed() < Duration::from_secs(10), "a key revoked beside the service is still taken");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    until("a key revoked beside the service is refused", async || info(Some(key)).await == 401).await;
     let text = String::from_utf8(keys(folder.path(), &["list"]).stdout).unwrap();
     assert!(text.contains(id) && text.contains("revoked"), "{text}");
-    let (_, _, log) = process.terminate();
+    let (_, log) = process.terminate();
     // The secret is kept nowhere: neither in the log nor in any file.
     let secret = key.rsplit('_').next().unwrap();
     assert!(log.iter().all(|line| !line.contains(secret)));
@@ -411,22 +404,21 @@ async fn a_key_that_floods_the_service_does_not_lock_another_out() {
             .header(header::AUTHORIZATION, format!("Bearer {key}"));
         app.send_expecting_5xx(with_bytes(asked, "image/png", scene_png(1)))
     };
-    let (release, held) = mpsc::channel::<()>();
-    let compute = app.service.compute.clone();
-    let blocker = tokio::spawn(async move { compute.run(Lane::Recognition, 0, move || held.recv()).await });
-    while app.service.compute.running(Lane::Recognition) == 0 {
-        tokio::time::sleep(Duration::from_millis(1)).await;
-    }
-    let flooding = join_all((0..20).map(|_| ask(&flood)));
+    let occupied = Occupied::lane(&app, Lane::Recognition).await;
+    let refused = AtomicUsize::new(0);
+    let flooding = join_all((0..20).map(async |_| {
+        let answer = ask(&flood).await;
+        refused.fetch_add(usize::from(answer.status == 503), Ordering::Relaxed);
+        answer
+    }));
     let others = async {
-        while app.service.compute.waiting(Lane::Recognition) < 8 {
-            tokio::time::sleep(Duration::from_millis(1)).await;
-        }
+        until("eight wait", async || app.service.compute.waiting(Lane::Recognition) == 8).await;
         // The queue is full of the other's; two of them give way.
         let asked = join_all([ask(&steady), ask(&steady)]);
         let releasing = async {
-            tokio::time::sleep(Duration::from_millis(100)).await;
-            drop(release);
+            // Twelve found the queue full.
+            until("two gave way", async || refused.load(Ordering::Relaxed) == 14).await;
+            drop(occupied);
         };
         tokio::join!(asked, releasing).0
     };
@@ -437,7 +429,6 @@ async fn a_key_that_floods_the_service_does_not_lock_another_out() {
     for answer in flooding.iter().filter(|answer| answer.status != 200) {
         answer.expect_problem(503, "overloaded");
     }
-    assert!(blocker.await.unwrap().is_ok());
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -1,10 +1,13 @@
 //! What the service promises its users, one file a promise: the real router over an embedded store in a temporary
 //! folder, no ports. Only `restarts` and `tls` start the real binary, and `connections` listens.
 
+#![expect(clippy::unwrap_used, reason = "a test fails where its helpers panic")]
+
 mod app;
 mod depth_pictures;
 mod pictures;
 mod process;
+mod waits;
 
 mod audit;
 mod calibrations;
@@ -14,6 +17,7 @@ mod depth_maps;
 mod exemplars;
 mod freeform;
 mod gate;
+mod golden;
 mod hostile;
 mod jobs;
 mod keys;

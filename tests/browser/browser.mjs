@@ -1,4 +1,4 @@
-// A real browser, and what it must never do: complain, fail in silence, or ask another origin for anything.
+// A real browser. A test fails on errors and warnings of the page, uncaught exceptions, and requests to other origins.
 
 import assert from "node:assert/strict";
 import {chromium} from "playwright-core";
@@ -10,7 +10,7 @@ const WAIT_MS = 15_000;
 
 export const launch = () => chromium.launch({executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ARGS});
 
-// A tab that is listened to. What a test provokes, it names with `provokes`.
+// A tab that records messages. A test names those that it causes with `expects`.
 export class Tab {
   static async open(browser, url, {width = 1280, height = 900, scheme = "light", context} = {}) {
     const tab = new Tab();
@@ -19,17 +19,17 @@ export class Tab {
     tab.page = await tab.context.newPage();
     tab.page.setDefaultTimeout(WAIT_MS);
     tab.url = url;
-    tab.heard = [];
-    tab.provoked = [];
-    tab.page.on("console", (message) => ["error", "warning"].includes(message.type()) && tab.heard.push(`${message.text()} (${message.location().url})`));
-    tab.page.on("pageerror", (error) => tab.heard.push(`not caught: ${error.stack ?? error}`));
-    tab.page.on("request", (request) => !request.url().startsWith(url) && !/^(blob|data):/.test(request.url()) && tab.heard.push(`asks another origin: ${request.url()}`));
-    tab.page.on("crash", () => tab.heard.push("the tab crashed"));
+    tab.messages = [];
+    tab.expected = [];
+    tab.page.on("console", (message) => ["error", "warning"].includes(message.type()) && tab.messages.push(`${message.text()} (${message.location().url})`));
+    tab.page.on("pageerror", (error) => tab.messages.push(`not caught: ${error.stack ?? error}`));
+    tab.page.on("request", (request) => !request.url().startsWith(url) && !/^(blob|data):/.test(request.url()) && tab.messages.push(`asks another origin: ${request.url()}`));
+    tab.page.on("crash", () => tab.messages.push("the tab crashed"));
     return tab;
   }
 
-  // Says which complaints this test is about; each has to come.
-  provokes(...patterns) { this.provoked.push(...patterns); }
+  // Names the messages that this test causes; each has to come.
+  expects(...patterns) { this.expected.push(...patterns); }
 
   async go(address) {
     await this.page.goto(this.url + address);
@@ -39,19 +39,19 @@ export class Tab {
 
   async close() {
     await (this.own ? this.context : this.page).close();
-    const others = this.heard.filter((text) => !this.provoked.some((pattern) => pattern.test(text)));
-    assert.deepEqual(others, [], "the browser heard complaints");
-    for (const pattern of this.provoked) assert.ok(this.heard.some((text) => pattern.test(text)), `${pattern} was expected and didn't come`);
+    const others = this.messages.filter((text) => !this.expected.some((pattern) => pattern.test(text)));
+    assert.deepEqual(others, [], "the browser reported errors or warnings");
+    for (const pattern of this.expected) assert.ok(this.messages.some((text) => pattern.test(text)), `${pattern} was expected and didn't come`);
   }
 }
 
-// Opens a tab for `use(page, tab)` and closes it. A fault of `use` counts before what the tab has heard.
+// Opens a tab for `use(page, tab)` and closes it. An error of `use` is reported before the messages of the tab.
 export async function withTab(browser, url, options, use) {
   const tab = await Tab.open(browser, url, options);
   try {
     await use(tab.page, tab);
   } catch (error) {
-    if (tab.heard.length) error.message += `\nheard meanwhile: ${tab.heard.join("\n")}`;
+    if (tab.messages.length) error.message += `\nmessages meanwhile: ${tab.messages.join("\n")}`;
     await tab.close().catch(() => {});
     throw error;
   }

@@ -70,7 +70,7 @@ test("a slanted plane is measured, and the reading under the cursor is its dista
 }));
 
 test("optics that can't be are told at their field, and those that can are kept as a calibration", () => withTab(browser, service.url, {}, async (page, tab) => {
-  tab.provokes(/422.*\/v1\/depth-maps/);
+  tab.expects(/422.*\/v1\/depth-maps/);
   await tab.go("#/depth");
   await measure(page, {...OPTICS, focal_length_mm: 600});
   await page.waitForSelector(".problem");

@@ -1,4 +1,4 @@
-// Jobs under a person's eyes: they can be cancelled, and the page stays small however much they say.
+// Jobs: they can be cancelled, and the memory of the page is bounded however many events they send.
 
 import assert from "node:assert/strict";
 import {after, before, test} from "node:test";
@@ -52,7 +52,7 @@ test("jobs that wait are cancelled on the overview", () => withTab(browser, serv
 test(`after ${EVENTS} events of a job the page's memory is as it was`, () => withTab(browser, service.url, {}, async (page, tab) => {
   const job = {id: "0", kind: "training", database: "slow", state: "running", progress: {stage: "rehearsal", done: 0, total: EVENTS}, attempts: 1, created_at: new Date(0).toISOString()};
   await page.route("**/v1/jobs?*", (route) => route.fulfill({json: {items: [job], next_cursor: null}}));
-  // A stream that speaks when it is told to, as the service's does.
+  // A stream of events in the service's format, sent by this test.
   await page.addInitScript((first) => {
     const {fetch} = window;
     window.fetch = async (path, options) => {

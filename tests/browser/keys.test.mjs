@@ -1,4 +1,4 @@
-// A service with keys: the console asks for one once a tab, keeps it no longer, and tells when it is wrong.
+// A service with keys: the console asks for one once a tab, keeps it no longer, and says when it is wrong.
 
 import assert from "node:assert/strict";
 import {after, before, test} from "node:test";
@@ -18,7 +18,7 @@ after(async () => {
 });
 
 test("the key is asked for once a tab, and all works with it", () => withTab(browser, service.url, {}, async (page, tab) => {
-  tab.provokes(/401/);
+  tab.expects(/401/);
   await page.goto(service.url);
   await page.waitForSelector("#key-input");
   assert.deepEqual(await findings(page), []);
@@ -34,14 +34,14 @@ test("the key is asked for once a tab, and all works with it", () => withTab(bro
   assert.equal(await page.locator("#key-input").count(), 0);
   assert.ok(await page.isVisible("#key"), "another key can be given");
   await withTab(browser, service.url, {context: tab.context}, async (other, second) => {
-    second.provokes(/401/);
+    second.expects(/401/);
     await other.goto(service.url);
     await other.waitForSelector("#key-input");
   });
 }));
 
 test("a wrong key is told, and the right one may be given then", () => withTab(browser, service.url, {}, async (page, tab) => {
-  tab.provokes(/401/);
+  tab.expects(/401/);
   await page.goto(service.url);
   await page.fill("#key-input", "lmk_wrong");
   await page.keyboard.press("Enter");
@@ -55,7 +55,7 @@ test("a wrong key is told, and the right one may be given then", () => withTab(b
 }));
 
 test("without a key nothing is shown, and the page says why", () => withTab(browser, service.url, {}, async (page, tab) => {
-  tab.provokes(/401/);
+  tab.expects(/401/);
   await page.goto(service.url);
   await page.waitForSelector("#key-input");
   await page.keyboard.press("Escape");

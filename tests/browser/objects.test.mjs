@@ -1,4 +1,4 @@
-// A person teaches things on a turntable, and is told which one lies there and how it is turned.
+// A person teaches things on a turntable, and gets the name and pose of the one in a picture.
 
 import assert from "node:assert/strict";
 import {rm} from "node:fs/promises";
@@ -37,8 +37,8 @@ test("a view between the taught ones is named, and the dial shows its turn", () 
   await tab.go("#/try/things");
   for (const [name, turn_deg] of [["bracket", 47], ["lever", 200], ["cam", 311]]) {
     assert.equal(await ask(page, file(`${name}.png`, onTurntable(name, turn_deg, 2))), name);
-    const told = Number(/turned by ([\d.]+)°/.exec(await page.getAttribute("#try-dial", "aria-label"))[1]);
-    assert.ok(apart(told, turn_deg) < 3, `${name} at ${turn_deg}° is told at ${told}°`);
+    const shown = Number(/turned by ([\d.]+)°/.exec(await page.getAttribute("#try-dial", "aria-label"))[1]);
+    assert.ok(apart(shown, turn_deg) < 3, `${name} at ${turn_deg}° is shown at ${shown}°`);
     // The dots of the taught views come on the rim.
     await page.locator("#try-dial .views circle").nth(29).waitFor({state: "attached"});
     await sees(page, "#try-candidates tbody tr", new RegExp(`${name}[\\s\\S]*near enough`));
@@ -49,9 +49,9 @@ test("what the eigenspace makes of the frame is shown beside it, with what is le
   await tab.go("#/try/things");
   await ask(page, file("lever.png", onTurntable("lever", 90, 2)));
   await page.waitForFunction(() => document.querySelector("#try-reconstruction img")?.naturalWidth > 0);
-  const told = await page.innerText("#try-reconstruction figcaption");
-  const left = Number(/([\d.]+) % of the picture's energy/.exec(told)?.[1]);
-  assert.ok(left > 0 && left < 20, told);
+  const caption = await page.innerText("#try-reconstruction figcaption");
+  const left = Number(/([\d.]+) % of the picture's energy/.exec(caption)?.[1]);
+  assert.ok(left > 0 && left < 20, caption);
   await page.click("#try-eigenimages summary");
   await page.waitForFunction(() => { const images = [...document.querySelectorAll("#try-eigenimages img")]; return images.length > 2 && images.every(({naturalWidth}) => naturalWidth > 0); });
 }));
@@ -59,6 +59,6 @@ test("what the eigenspace makes of the frame is shown beside it, with what is le
 test("a thing that was never taught is Unknown, and the candidates say how far it is", () => visit(async (page, tab) => {
   await tab.go("#/try/things");
   assert.equal(await ask(page, file("strange.png", onTurntable(STRANGE, 30))), "Unknown");
-  await sees(page, ".said .reasons", /beyond_threshold/);
+  await sees(page, ".verdict .reasons", /beyond_threshold/);
   await sees(page, "#try-candidates tbody tr", /too far/);
 }));

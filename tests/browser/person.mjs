@@ -31,19 +31,19 @@ export async function uploadFolder(page, folder) {
   return page.innerText("#upload-report");
 }
 
-// Trains and waits for version `expected`; what the progress said meanwhile, each once.
+// Trains and waits for version `expected`; the texts of the progress meanwhile, each once.
 export async function train(page, expected) {
   await page.evaluate(() => {
-    window.progressSaid = [];
+    window.progressTexts = [];
     new MutationObserver(() => {
       const said = document.querySelector("#training #live-jobs")?.innerText;
-      if (said && said !== window.progressSaid.at(-1)) window.progressSaid.push(said);
+      if (said && said !== window.progressTexts.at(-1)) window.progressTexts.push(said);
     }).observe(document.getElementById("training"), {subtree: true, childList: true, characterData: true});
   });
   await page.click("#train");
   await page.locator("#versions li", {hasText: `version ${expected}`}).waitFor();
   await page.waitForFunction(() => !document.querySelector("#live-jobs .job"));
-  return page.evaluate(() => window.progressSaid);
+  return page.evaluate(() => window.progressTexts);
 }
 
 // Waits until a part of the page says it.

@@ -58,16 +58,16 @@ test("a frame of a known place is recognised, and shows the votes and the points
   assert.equal(await ask(page, file("frame.png", frame(PLACES.library))), "library");
   assert.equal(await page.textContent("#try-status"), "Recognised: library");
   await sees(page, "#try-votes tbody tr", /library/);
-  const points = page.locator(".seen svg .points:not(.off) circle");
+  const points = page.locator(".annotated svg .points:not(.off) circle");
   assert.ok(await points.count() > 20, "points are drawn");
   // Another point under the pointer is another evidence.
   const evidence = () => page.innerText("#try-evidence");
   await page.waitForSelector("#try-evidence table");
   const first = await page.getAttribute("#try-point", "aria-valuetext");
-  await page.locator(".frame .seen").first().scrollIntoViewIfNeeded();
+  await page.locator(".frame .annotated").first().scrollIntoViewIfNeeded();
   for (let at = 1; at < 12 && await page.getAttribute("#try-point", "aria-valuetext") === first; at += 1) await points.nth(3 * at).hover({force: true});
   assert.notEqual(await page.getAttribute("#try-point", "aria-valuetext"), first);
-  assert.match(await evidence(), /Why this point says so[\s\S]*Votes for/);
+  assert.match(await evidence(), /The votes of this point[\s\S]*Votes for/);
   // And from the keyboard.
   const hovered = await page.getAttribute("#try-point", "aria-valuetext");
   await page.focus("#try-point");
@@ -87,9 +87,9 @@ test("a strange place is answered Unknown, with reasons", () => visit(async (pag
   await tab.go("#/try/rooms");
   assert.equal(await ask(page, file("strange.png", place(77))), "Unknown");
   assert.match(await page.textContent("#try-status"), /^Unknown/);
-  assert.ok(await page.locator(".said .reasons li").count() > 0, "a reason is given");
+  assert.ok(await page.locator(".verdict .reasons li").count() > 0, "a reason is given");
   assert.equal(await ask(page, file("blank.png", blank())), "Unknown");
-  await sees(page, ".said .reasons", /no_interest_points/);
+  await sees(page, ".verdict .reasons", /no_interest_points/);
 }));
 
 test("the request that is shown for curl works as it stands", () => visit(async (page, tab) => {

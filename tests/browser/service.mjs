@@ -10,7 +10,7 @@ import {promisify} from "node:util";
 const BINARY = process.env.LANDMARKD_BINARY;
 const WAIT_MS = 20_000;
 
-// Nothing of this process's own settings.
+// The environment without settings of the service.
 const environment = () => Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("LANDMARKD_")));
 
 export class Service {
@@ -55,7 +55,7 @@ export class Service {
     if (status !== 0) throw new Error(`the service ended with ${status}`);
   }
 
-  // A call beside the browser: its JSON, or an error with what the service said.
+  // A call beside the browser: its JSON, or an error with the answer's text.
   async call(method, path, {json, body} = {}) {
     const headers = {...this.key && {Authorization: `Bearer ${this.key}`}, ...json !== undefined && {"Content-Type": "application/json"}};
     const answer = await fetch(this.url + path, {method, headers, body: json === undefined ? body : JSON.stringify(json)});

@@ -14,7 +14,7 @@ const THINGS = {
   spanner: [{bar: [-24, 0, 18, 0, 4], colour: [170, 160, 200]}, {bar: [14, -11, 14, 11, 4], colour: [225, 225, 235]}, {bar: [14, 9, 26, 9, 3.5], colour: [190, 90, 110]}],
 };
 export const NAMES = ["bracket", "lever", "cam"];
-// One that is never taught.
+// One without exemplars.
 export const STRANGE = "spanner";
 
 function isOn({bar, disc}, x, y) {
@@ -60,7 +60,7 @@ export function table(standing, noise = 1) {
   }, 2).noisy(noise, 99);
 }
 
-// The middle of what is seen of a thing, in pixels of the table.
+// The centroid of the visible pixels of a thing, in pixels of the table.
 export function middle({name, x, y, turn_deg}) {
   const thing = turned({name, x, y, turn_deg});
   let [sumX, sumY, count] = [0, 0, 0];

@@ -1,4 +1,4 @@
-// A person sets up a table with a camera and a robot, and is told where to reach.
+// A person sets up a table with a camera and a robot, and gets the coordinates of each part.
 
 import assert from "node:assert/strict";
 import {after, before, test} from "node:test";

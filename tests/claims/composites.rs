@@ -4,6 +4,7 @@
 //!   frame = (1 − mask) · ground + mask · object;  on one side of a random line another photograph;  + noise
 
 use landmarkd_core::imaging::{Frame, Image};
+use landmarkd_core::statistics::quantile_nearest;
 
 use crate::random::Random;
 
@@ -65,8 +66,8 @@ pub fn compose(
         let along = |px: usize, py: usize| px as f64 * cos + py as f64 * sin;
         let mut visible: Vec<f64> =
             pixels().filter(|&(px, py)| alpha.at(px, py) > 0.5).map(|(px, py)| along(px, py)).collect();
-        visible.sort_by(f64::total_cmp);
-        let line = visible[((visible.len() - 1) as f64 * (1.0 - condition.hidden)).round() as usize];
+        let line = quantile_nearest(&mut visible, 1.0 - condition.hidden, f64::total_cmp)
+            .expect("a part of the object is visible");
         let cover = crop(photographs, &mut hide);
         for (px, py) in pixels().filter(|&(px, py)| along(px, py) > line) {
             frame.pixels_mut()[py * SIZE_PX + px] = cover.at(px, py);

@@ -8,13 +8,9 @@ use std::path::{Path, PathBuf};
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
 use serde_json::Value;
 
-/// The data folder; says so and is `None` when the variable isn't set.
-pub fn folder() -> Option<PathBuf> {
-    let folder = env::var_os("LANDMARKD_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        println!("skipped: LANDMARKD_DATA is not set");
-    }
-    folder
+/// The data folder; panics when the variable isn't set.
+pub fn folder() -> PathBuf {
+    env::var_os("LANDMARKD_DATA").expect("LANDMARKD_DATA names the folder of the pictures").into()
 }
 
 fn read(path: &Path) -> Frame {

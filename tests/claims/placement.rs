@@ -1,7 +1,8 @@
 //! Past paper A, on objects: matches that agree on a placement. Trained on one picture each of the 20 objects of
-//! COIL-20 with the default options, rehearsed as a training job does, asked with 120 frames a condition (six of each
+//! COIL-20 with the default options, calibrated as a training job does, asked with 120 frames a condition (six of each
 //! object), seed 31; and with 60 photographs without any object.
 
+use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::recognition::landmarks::{LandmarkOptions, Landmarks, Method, Viewpoint, Warning};
 
 use crate::composites::{Condition, Truth, compose, compose_several, photograph};
@@ -43,8 +44,7 @@ impl Tally {
 
 fn near(truth: &Truth, x_px: f32, y_px: f32, rotation_rad: f32) -> bool {
     let off = (f64::from(x_px) - truth.x_px).hypot(f64::from(y_px) - truth.y_px);
-    let turned = f64::from(rotation_rad).to_degrees() - truth.rotation_deg;
-    off <= 6.0 && ((turned + 180.0).rem_euclid(360.0) - 180.0).abs() <= 5.0
+    off <= 6.0 && angular_distance_deg(f64::from(rotation_rad).to_degrees(), truth.rotation_deg) <= 5.0
 }
 
 fn asked(
@@ -77,10 +77,11 @@ fn asked(
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_named() {
-    let Some(objects) = Objects::read() else { return };
+    let objects = Objects::read();
     let (model, reliability) = calibrated(&objects.training, &LandmarkOptions::default());
-    println!("rehearsed: {reliability:?}");
+    println!("calibrated: {reliability:?}");
     let conditions = [
         ("turned, on black", 0, ON_BLACK, 0.97),
         ("turned, on a photograph", 0, ON_PHOTOGRAPH, 0.97),
@@ -116,8 +117,9 @@ fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_na
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn two_and_three_known_objects_in_one_frame_are_all_found() {
-    let Some(objects) = Objects::read() else { return };
+    let objects = Objects::read();
     let (model, _) = calibrated(&objects.training, &LandmarkOptions::default());
     for count in [2, 3] {
         let mut all = 0;
@@ -136,7 +138,7 @@ fn two_and_three_known_objects_in_one_frame_are_all_found() {
             let instances = model.recognise(&frame, |_| ()).instances;
             let found = shown.iter().zip(&truths).filter(|(n, truth)| {
                 instances.iter().any(|instance| {
-                    let placement = instance.placed.placement;
+                    let placement = instance.verified.placement;
                     instance.label == n.to_string()
                         && near(truth, placement.x_px, placement.y_px, placement.rotation_rad)
                 })
@@ -149,9 +151,10 @@ fn two_and_three_known_objects_in_one_frame_are_all_found() {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn votes_that_fall_on_the_background_are_unsure_and_say_so() {
     // A's Figure 7: a small part of the object is seen, and most of the strongest points lie elsewhere
-    let Some(objects) = Objects::read() else { return };
+    let objects = Objects::read();
     let failing = Condition { hidden: 0.6, scale: (0.7, 0.8), ..ON_PHOTOGRAPH };
     for options in [objects::options(), LandmarkOptions::of(Method::Paper, Viewpoint::Free)] {
         let (model, _) = calibrated(&objects.training, &options);

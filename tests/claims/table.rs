@@ -4,13 +4,15 @@
 
 use std::path::Path;
 
+use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::depth::scene::bench_optics;
 use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, FocalPair};
 use landmarkd_core::imaging::{Frame, Image};
-use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, Objects, View, train};
+use landmarkd_core::statistics::quantile_nearest;
 use landmarkd_core::vision::segmentation::SegmentationOptions;
 use landmarkd_core::workcell::{
-    Correspondence, Distance, Inspection, LocalCamera, Mapping, Part, Workcell, centring, inspect,
+    Correspondence, Inspection, LocalCamera, Mapping, Part, PartDistance, Workcell, centring, inspect,
 };
 
 use crate::data;
@@ -39,16 +41,16 @@ fn picture(folder: &Path, object: usize, pose: usize) -> Image {
 /// A database of all objects but the strange ones.
 fn trained(folder: &Path) -> Objects {
     let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
-    let canvas = Canvas::new(&options, (128, 128));
+    let normaliser = Normaliser::new(&options, (128, 128));
     let known = (0..OBJECTS).filter(|object| !STRANGE.contains(object));
     let views = known.flat_map(|object| (0..POSES).step_by(2).map(move |pose| (object, pose)));
     let views = views.map(|(object, pose)| View {
         id: format!("{object}-{pose}"),
         label: label(object),
         pose_deg: Some((STEP_DEG * pose) as f64),
-        appearance: canvas.appearance(&Frame::gray(picture(folder, object, pose))).unwrap(),
+        appearance: normaliser.appearance(&Frame::gray(picture(folder, object, pose))).unwrap(),
     });
-    Objects::train(views.collect(), &canvas, &options).unwrap().0
+    train(views.collect(), &normaliser, &options).unwrap().0
 }
 
 fn tables(folder: &Path, seed: u64) -> impl Iterator<Item = TableScene> {
@@ -78,11 +80,6 @@ fn workcell(local: LocalCamera) -> Workcell {
 
 const LOCAL: LocalCamera = LocalCamera { mm_per_px: 0.2, rotation_deg: 35.0 };
 
-fn apart_deg(a: f64, b: f64) -> f64 {
-    let apart = (a - b).rem_euclid(360.0);
-    apart.min(360.0 - apart)
-}
-
 /// The part whose region is nearest to a placed object.
 fn nearest<'a>(inspection: &'a Inspection, placed: &Placed) -> Option<&'a Part> {
     let off = |part: &Part| {
@@ -94,9 +91,7 @@ fn nearest<'a>(inspection: &'a Inspection, placed: &Placed) -> Option<&'a Part> 
 
 /// The value below which a part of the values lies.
 fn quantile(values: &[f64], part: f64) -> f64 {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values[(part * (values.len() - 1) as f64).round() as usize]
+    quantile_nearest(&mut values.to_vec(), part, f64::total_cmp).expect("there are values")
 }
 
 /// What came of the tables of some seeds.
@@ -140,7 +135,7 @@ impl Outcome {
             }
             self.named_right += 1;
             let Some(pose) = decision.pose else { continue };
-            let error_deg = apart_deg(pose.turn_deg, (STEP_DEG * placed.pose) as f64);
+            let error_deg = angular_distance_deg(pose.turn_deg, (STEP_DEG * placed.pose) as f64);
             self.pose_errors_deg.push(error_deg);
             self.reliable += usize::from(pose.reliable);
             self.reliable_within_5 += usize::from(pose.reliable && error_deg <= 5.0);
@@ -170,8 +165,9 @@ impl Outcome {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn parts_on_a_table_are_named_turned_and_located_and_strange_ones_refused() {
-    let Some(folder) = data::folder() else { return };
+    let folder = data::folder();
     let (model, workcell) = (trained(&folder), workcell(LOCAL));
     for seed in SEEDS {
         let mut outcome = Outcome::default();
@@ -193,8 +189,9 @@ fn parts_on_a_table_are_named_turned_and_located_and_strange_ones_refused() {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn a_focal_pair_tells_how_far_away_each_part_is() {
-    let Some(folder) = data::folder() else { return };
+    let folder = data::folder();
     let optics = bench_optics(8.0, true);
     let estimator = Estimator::new(&Calibration::of(optics), &DepthOptions::default()).unwrap();
     let (mut errors_mm, mut by_sigma, mut coverage, mut without) = (vec![], vec![], vec![], 0);
@@ -205,7 +202,7 @@ fn a_focal_pair_tells_how_far_away_each_part_is() {
         let map = estimator.estimate(&FocalPair::new(near, far, 8).unwrap(), &mut |_| ()).unwrap();
         for placed in &table.placed {
             let part = nearest(&inspection, placed).expect("a region for every object");
-            let Some(distance) = Distance::of(&part.region, &inspection.segmentation, &map) else {
+            let Some(distance) = PartDistance::of(&part.region, &inspection.segmentation, &map) else {
                 without += 1;
                 continue;
             };
@@ -237,8 +234,9 @@ fn a_focal_pair_tells_how_far_away_each_part_is() {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn two_stages_centre_a_part_although_the_local_camera_is_known_badly() {
-    let Some(folder) = data::folder() else { return };
+    let folder = data::folder();
     // What the workcell says of the camera is 3 % and 1° off.
     let workcell =
         workcell(LocalCamera { mm_per_px: 1.03 * LOCAL.mm_per_px, rotation_deg: LOCAL.rotation_deg + 1.0 });

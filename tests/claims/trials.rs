@@ -2,7 +2,8 @@
 
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::recognition::landmarks::{
-    ExemplarName, LandmarkOptions, Landmarks, Reliability, describe, rehearsals,
+    CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, Reliability,
+    calibration_samples, describe, synthetic_views,
 };
 
 /// What a claim's trials came to.
@@ -43,19 +44,19 @@ pub fn trained(pictures: &[Frame], options: &LandmarkOptions) -> Landmarks {
     model
 }
 
-/// The same, and rehearsed as a training job does.
+/// The same, and calibrated as a training job does.
 pub fn calibrated(pictures: &[Frame], options: &LandmarkOptions) -> (Landmarks, Reliability) {
     let mut model = trained(pictures, options);
-    let (chosen, rounds) = model.rehearsed_exemplars();
-    let rehearse = |round, index: usize| {
-        let label = model.exemplars()[index].label.clone();
-        let picture = &pictures[label.parse::<usize>().expect("a place in the list")];
-        let name = ExemplarName { id: label.clone(), label };
-        model.rehearse(&name, &rehearsals(&name, picture, round, options))
-    };
-    let rehearsed: Vec<_> =
-        (0..rounds).flat_map(|round| chosen.iter().flat_map(move |&index| rehearse(round, index))).collect();
-    let reliability = model.calibrate(&rehearsed).expect("enough rehearsals");
+    let plan = CalibrationPlan::of(&model);
+    let mut samples: Vec<CalibrationSample> = Vec::new();
+    for round in 0..plan.rounds {
+        for name in plan.exemplars.iter().map(|&index| model.exemplars()[index].name()) {
+            let picture = &pictures[name.label.parse::<usize>().expect("a place in the list")];
+            let views = synthetic_views(&name, picture, round, options);
+            samples.extend(calibration_samples(&model, &name, &views));
+        }
+    }
+    let reliability = model.calibrate(&samples).expect("enough samples");
     (model, reliability)
 }
 

@@ -47,8 +47,9 @@ fn best(weights: &[f64]) -> usize {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn a_corridor_is_recognised_frame_by_frame_and_along_the_walk() {
-    let Some(folder) = data::folder() else { return };
+    let folder = data::folder();
     let corridor = data::corridor(&folder);
     let training: Vec<Frame> = corridor.first.iter().map(doubled).collect();
     let right = |places: &[usize]| {
@@ -76,8 +77,9 @@ fn a_corridor_is_recognised_frame_by_frame_and_along_the_walk() {
 }
 
 #[test]
+#[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn rooms_of_the_tower_are_recognised_from_seconds_away() {
-    let Some(folder) = data::folder() else { return };
+    let folder = data::folder();
     let clips = data::tower_clips(&folder, PLACES);
     let gray = |frame: &Frame| shrunk(&Frame::gray(frame.luminance.clone()));
     let training: Vec<Frame> =

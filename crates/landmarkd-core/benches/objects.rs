@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd_core::imaging::encode::png_gray8;
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
-use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, Stage, View};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, Stage, View, train};
 
 const SIDE_PX: usize = 128;
 
@@ -36,17 +36,19 @@ fn thing(seed: u64, turn_deg: f64) -> Image {
 
 fn objects(criterion: &mut Criterion) {
     let options = ObjectOptions::default();
-    let canvas = Canvas::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
+    let normaliser = Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
     let views: Vec<View> = (0..20)
         .flat_map(|seed| (0..36).map(move |view| (seed, 10.0 * f64::from(view))))
         .map(|(seed, pose_deg)| View {
             id: format!("{seed} {pose_deg}"),
             label: seed.to_string(),
             pose_deg: Some(pose_deg),
-            appearance: canvas.appearance(&Frame::gray(thing(seed, pose_deg))).expect("of the canvas' size"),
+            appearance: normaliser
+                .appearance(&Frame::gray(thing(seed, pose_deg)))
+                .expect("of the database's size"),
         })
         .collect();
-    let (model, report) = Objects::train(views.clone(), &canvas, &options).expect("views differ");
+    let (model, report) = train(views.clone(), &normaliser, &options).expect("views differ");
     assert_eq!((report.exemplars, report.labels), (720, 20));
 
     let asked = thing(7, 123.0);
@@ -77,7 +79,7 @@ fn objects(criterion: &mut Criterion) {
         });
     }
     group.sample_size(10).bench_function("training 720 views", |b| {
-        b.iter(|| Objects::train(black_box(views.clone()), &canvas, &options));
+        b.iter(|| train(black_box(views.clone()), &normaliser, &options));
     });
     group.finish();
 }

@@ -8,7 +8,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use landmarkd_core::eigen::{EigenpointIndex, Vicinity, Way};
+use landmarkd_core::eigen::{EigenpointIndex, RadiusIndex, Search};
+use landmarkd_core::statistics::median;
 
 const QUERIES: usize = 64;
 
@@ -86,16 +87,18 @@ fn vicinity(criterion: &mut Criterion) {
             let noise = cloud(QUERIES, dimension, 3);
             let queries: Vec<f32> = points.iter().zip(&noise).map(|(p, n)| p + 0.05 * n).collect();
             let radius = usual_radius(&points, &queries, dimension);
-            let ways = [("k-d tree", Way::KdTree), ("slabs", Way::Slabs), ("product", Way::Exhaustive)];
-            let answer = |way: &Vicinity| -> Vec<_> {
-                queries.chunks_exact(dimension).map(|query| way.within(query, radius)).collect()
+            let searches =
+                [("k-d tree", Search::KdTree), ("slabs", Search::Slabs), ("product", Search::Exhaustive)];
+            let answer = |index: &RadiusIndex| -> Vec<_> {
+                queries.chunks_exact(dimension).map(|query| index.within(query, radius)).collect()
             };
-            let built = ways.map(|(name, way)| (name, Vicinity::new(points.clone(), dimension, way)));
+            let built =
+                searches.map(|(name, search)| (name, RadiusIndex::new(points.clone(), dimension, search)));
             let expected = answer(&built[2].1);
-            for (name, way) in &built {
-                assert_eq!(answer(way), expected, "{name} gives other answers");
-                group.bench_with_input(BenchmarkId::new(*name, count), way, |b, way| {
-                    b.iter(|| black_box(answer(way)));
+            for (name, index) in &built {
+                assert_eq!(answer(index), expected, "{name} gives other answers");
+                group.bench_with_input(BenchmarkId::new(*name, count), index, |b, index| {
+                    b.iter(|| black_box(answer(index)));
                 });
             }
         }
@@ -105,11 +108,10 @@ fn vicinity(criterion: &mut Criterion) {
 
 /// The median distance of the fifth nearest.
 fn usual_radius(points: &[f32], queries: &[f32], dimension: usize) -> f64 {
-    let all = Vicinity::new(points.to_vec(), dimension, Way::Exhaustive);
+    let all = RadiusIndex::new(points.to_vec(), dimension, Search::Exhaustive);
     let fifth = |query: &[f32]| f64::from(all.within(query, f64::INFINITY)[4].distance);
     let mut distances: Vec<f64> = queries.chunks_exact(dimension).map(fifth).collect();
-    distances.sort_by(f64::total_cmp);
-    distances[distances.len() / 2]
+    median(&mut distances, f64::total_cmp).expect("there are queries")
 }
 
 criterion_group!(benches, search, several, vicinity);

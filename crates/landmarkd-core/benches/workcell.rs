@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd_core::imaging::{Frame, Image};
-use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
 use landmarkd_core::vision::segmentation::{SegmentationOptions, Threshold, segmented};
 use landmarkd_core::vision::smoothing::smoothed;
 use landmarkd_core::workcell::{Correspondence, Mapping, Stage, Workcell, inspect};
@@ -57,7 +57,7 @@ fn cloth(x: usize, y: usize) -> f64 {
 fn workcell(criterion: &mut Criterion) {
     let plates: Vec<Plate> = (0..10).map(Plate::new).collect();
     let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
-    let canvas = Canvas::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
+    let normaliser = Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
     let alone = |plate: &Plate, turn_deg: f64| {
         Image::from_fn(SIDE_PX, SIDE_PX, |x, y| {
             let from_middle = [x as f64 - 64.0, y as f64 - 64.0];
@@ -69,9 +69,9 @@ fn workcell(criterion: &mut Criterion) {
         id: format!("{n} {pose_deg}"),
         label: n.to_string(),
         pose_deg: Some(pose_deg),
-        appearance: canvas.appearance(&Frame::gray(alone(&plates[n], pose_deg))).expect("a plate"),
+        appearance: normaliser.appearance(&Frame::gray(alone(&plates[n], pose_deg))).expect("a plate"),
     });
-    let (model, _) = Objects::train(views.collect(), &canvas, &options).expect("views differ");
+    let (model, _) = train(views.collect(), &normaliser, &options).expect("views differ");
 
     // light that falls off by a fifth
     let picture = Image::from_fn(640, 480, |x, y| {
@@ -105,7 +105,7 @@ fn workcell(criterion: &mut Criterion) {
         group.bench_function(name, |b| b.iter(|| segmented(black_box(&picture), &options)));
     }
     group.bench_function("inspecting", |b| b.iter(|| inspect(black_box(&frame), &cell, &model, |_| ())));
-    for stage in [Stage::Segment, Stage::Cut, Stage::Recognise] {
+    for stage in [Stage::Segment, Stage::Crop, Stage::Recognise] {
         group.bench_function(format!("inspecting: {stage:?}"), |b| {
             b.iter_custom(|rounds| {
                 let mut spent = Duration::ZERO;

@@ -10,7 +10,7 @@ use std::{env, fs};
 
 use anyhow::{Context, bail};
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-use landmarkd_core::recognition::objects::{Canvas, ObjectOptions, Objects, View};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
@@ -18,8 +18,8 @@ fn main() -> anyhow::Result<()> {
     let options = ObjectOptions::default();
     let picture = read(picture)?;
 
-    // All pictures become vectors on one canvas; here it has the size of the picture that is asked about.
-    let canvas = Canvas::new(&options, (picture.width() as u32, picture.height() as u32));
+    // All pictures become vectors on one normaliser; here it has the size of the picture that is asked about.
+    let normaliser = Normaliser::new(&options, (picture.width() as u32, picture.height() as u32));
     let mut learnt = Vec::new();
     for label in files(views)? {
         for view in files(&label)? {
@@ -27,11 +27,11 @@ fn main() -> anyhow::Result<()> {
                 id: view.display().to_string(),
                 label: label.file_name().context("a label has a name")?.to_string_lossy().into_owned(),
                 pose_deg: pose_in_name(&view),
-                appearance: canvas.appearance(&read(&view)?)?,
+                appearance: normaliser.appearance(&read(&view)?)?,
             });
         }
     }
-    let (model, report) = Objects::train(learnt, &canvas, &options)?;
+    let (model, report) = train(learnt, &normaliser, &options)?;
     println!("{} views, {} dimensions", report.exemplars, model.dimension());
 
     let recognition = model.recognise(&picture, |_stage| ())?;

@@ -1,4 +1,4 @@
-//! Where was this frame taken? Learns a folder of photographs, `<label>/*`, and asks about one more, without a server.
+//! Where was this frame taken? Trains on a folder of photographs, `<label>/*`, and recognises one more, without a server.
 //!
 //! ```sh
 //! cargo run --release --example recognise_place -- photos frame.jpg
@@ -10,7 +10,7 @@ use std::{env, fs};
 use anyhow::{Context, bail};
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
 use landmarkd_core::recognition::landmarks::{
-    ExemplarName, LandmarkOptions, Landmarks, describe, rehearsals,
+    CalibrationPlan, ExemplarName, LandmarkOptions, Landmarks, calibration_samples, describe, synthetic_views,
 };
 
 fn main() -> anyhow::Result<()> {
@@ -18,7 +18,7 @@ fn main() -> anyhow::Result<()> {
     let [photos, frame] = &arguments[..] else { bail!("usage: recognise_place PHOTOS FRAME") };
     let options = LandmarkOptions::default();
 
-    // Training: every exemplar is described by its windows, the eigenspace is theirs together.
+    // Training: describes every exemplar by its windows and fits one eigenspace to all of them.
     let mut exemplars = Vec::new();
     for label in files(photos)? {
         for photo in files(&label)? {
@@ -30,17 +30,17 @@ fn main() -> anyhow::Result<()> {
     let (mut model, report) = Landmarks::train(exemplars, &options)?;
     println!("{} photographs of {} places, {} dimensions", report.exemplars, report.labels, report.dimension);
 
-    // How sure is sure enough is learnt from the exemplars, turned, covered and on other ground.
-    let (chosen, rounds) = model.rehearsed_exemplars();
-    let mut said = Vec::new();
-    for round in 0..rounds {
-        for exemplar in chosen.iter().map(|&index| &model.exemplars()[index]) {
-            let name = ExemplarName { id: exemplar.id.clone(), label: exemplar.label.clone() };
-            let shown = rehearsals(&name, &read(Path::new(&exemplar.id))?, round, model.options());
-            said.extend(model.rehearse(&name, &shown));
+    // Calibration: synthetic views of the exemplars, turned, occluded and on other backgrounds, tell how confident an
+    // answer has to be.
+    let plan = CalibrationPlan::of(&model);
+    let mut samples = Vec::new();
+    for round in 0..plan.rounds {
+        for name in plan.exemplars.iter().map(|&index| model.exemplars()[index].name()) {
+            let views = synthetic_views(&name, &read(Path::new(&name.id))?, round, model.options());
+            samples.extend(calibration_samples(&model, &name, &views));
         }
     }
-    model.calibrate(&said);
+    model.calibrate(&samples);
 
     let recognition = model.recognise(&read(frame)?, |_stage| ());
     match &recognition.decision {
@@ -55,7 +55,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a folder holds, by name.
+/// The entries of a folder, by name.
 fn files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder).with_context(|| format!("can't list {}", folder.display()))?;
     let mut files = entries.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<Vec<_>>>()?;

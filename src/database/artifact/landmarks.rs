@@ -13,10 +13,10 @@ use uuid::Uuid;
 use super::{ArtifactError, Tensor, le_bytes, optional, tensor};
 use crate::database::{Counts, LandmarkReport, Name};
 use landmarkd_core::recognition::landmarks::{
-    Confidence, ContourPoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks,
+    Confidence, EdgePoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks,
 };
 
-/// What stands in the header of a landmark database beside that of all kinds.
+/// The members of the header that only a landmark database has.
 #[derive(Serialize, Deserialize)]
 pub(super) struct LandmarkHeader {
     total_variance: f64,
@@ -26,6 +26,7 @@ pub(super) struct LandmarkHeader {
     pub(super) report: LandmarkReport,
 }
 
+/// An exemplar; its points and edge points are rows of the tensors.
 #[derive(Serialize, Deserialize)]
 struct ExemplarDocument {
     id: String,
@@ -45,8 +46,11 @@ struct ConfidenceDocument {
 }
 
 /// Header and tensors of a model.
-pub(super) fn take_apart(landmarks: &Landmarks, report: &LandmarkReport) -> (LandmarkHeader, Vec<Tensor>) {
-    let parts = landmarks.to_parts();
+pub(super) fn header_and_tensors(
+    landmarks: &Landmarks,
+    report: &LandmarkReport,
+) -> (LandmarkHeader, Vec<Tensor>) {
+    let parts = LandmarkParts::from(landmarks);
     let header = LandmarkHeader {
         total_variance: parts.total_variance,
         exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
@@ -56,38 +60,43 @@ pub(super) fn take_apart(landmarks: &Landmarks, report: &LandmarkReport) -> (Lan
     let (dimension, points) = (parts.eigenvalues.len(), parts.owner.len());
     let signature = parts.mean.len();
     let mut tensors = vec![
-        ("basis", Dtype::F32, vec![dimension, signature], le_bytes(&parts.basis, f32::to_le_bytes)),
-        ("eigenpoints", Dtype::F32, vec![points, dimension], le_bytes(&parts.eigenpoints, f32::to_le_bytes)),
-        ("eigenvalues", Dtype::F64, vec![dimension], le_bytes(&parts.eigenvalues, f64::to_le_bytes)),
-        ("mean", Dtype::F32, vec![signature], le_bytes(&parts.mean, f32::to_le_bytes)),
-        ("owner", Dtype::U32, vec![points], le_bytes(&parts.owner, u32::to_le_bytes)),
-        ("points", Dtype::F32, vec![points, 3], le_bytes(&parts.points, f32::to_le_bytes)),
-        ("radius", Dtype::U8, vec![points], parts.radius),
+        Tensor::of_f32("basis", vec![dimension, signature], &parts.basis),
+        Tensor::of_f32("eigenpoints", vec![points, dimension], &parts.eigenpoints),
+        Tensor::of_f64("eigenvalues", &parts.eigenvalues),
+        Tensor::of_f32("mean", vec![signature], &parts.mean),
+        Tensor {
+            name: "owner",
+            dtype: Dtype::U32,
+            shape: vec![points],
+            bytes: le_bytes(&parts.owner, u32::to_le_bytes),
+        },
+        Tensor::of_f32("points", vec![points, 3], &parts.points),
+        Tensor { name: "radius", dtype: Dtype::U8, shape: vec![points], bytes: parts.radius },
     ];
     if !parts.spectra.is_empty() {
         let rings = parts.options.rings;
         let shape = vec![points, rings, parts.spectra.len() / (points * rings)];
-        tensors.push(("spectra", Dtype::I8, shape, le_bytes(&parts.spectra, i8::to_le_bytes)));
+        let bytes = le_bytes(&parts.spectra, i8::to_le_bytes);
+        tensors.push(Tensor { name: "spectra", dtype: Dtype::I8, shape, bytes });
     }
-    let contours: Vec<f32> = parts.exemplars.iter().flat_map(|e| &e.contour).flat_map(numbers).collect();
-    if !contours.is_empty() {
-        let shape = vec![contours.len() / 4, 4];
-        tensors.push(("contours", Dtype::F32, shape, le_bytes(&contours, f32::to_le_bytes)));
+    let edges: Vec<f32> = parts.exemplars.iter().flat_map(|e| &e.edges).flat_map(edge_row).collect();
+    if !edges.is_empty() {
+        tensors.push(Tensor::of_f32("contours", vec![edges.len() / 4, 4], &edges));
     }
     (header, tensors)
 }
 
 /// The model of header and tensors that may hold anything, with what it counts.
-pub(super) fn put_together(
+pub(super) fn assemble(
     options: LandmarkOptions,
     header: LandmarkHeader,
     tensors: &SafeTensors,
 ) -> Result<(Landmarks, Counts), ArtifactError> {
     let owner = tensor(tensors, "owner", Dtype::U32, u32::from_le_bytes)?;
-    let contours = optional(tensors, "contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
+    let edges = optional(tensors, "contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
     let parts = LandmarkParts {
         options,
-        exemplars: exemplars(header.exemplars, &contours)?,
+        exemplars: exemplars(header.exemplars, &edges)?,
         mean: tensor(tensors, "mean", Dtype::F32, f32::from_le_bytes)?,
         basis: tensor(tensors, "basis", Dtype::F32, f32::from_le_bytes)?,
         eigenvalues: tensor(tensors, "eigenvalues", Dtype::F64, f64::from_le_bytes)?,
@@ -108,20 +117,20 @@ pub(super) fn put_together(
     let radii = parts.options.subwindow_radii_px.len().max(1) as u64;
     let (exemplars, windows) = (parts.exemplars.len() as u64, parts.owner.len() as u64);
     let landmarks =
-        Landmarks::from_parts(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
+        Landmarks::try_from(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
     let labels = landmarks.labels().len() as u64;
     let counts = Counts { exemplars, labels, interest_points: windows / radii };
     Ok((landmarks, counts))
 }
 
-/// The exemplars with their contours; as many contour points must be there as they say.
-fn exemplars(documents: Vec<ExemplarDocument>, contours: &[f32]) -> Result<Vec<Exemplar>, ArtifactError> {
-    let (mut left, rest) = contours.as_chunks::<4>();
+/// The exemplars with their edge templates, whose rows are those of the tensor `contours`, no more and no fewer.
+fn exemplars(documents: Vec<ExemplarDocument>, edges: &[f32]) -> Result<Vec<Exemplar>, ArtifactError> {
+    let (mut left, rest) = edges.as_chunks::<4>();
     let mut exemplars = Vec::with_capacity(documents.len());
     for document in documents {
         let (own, others) = left.split_at_checked(document.contour_points).ok_or(ArtifactError::Contents)?;
         left = others;
-        let point = |&[x_px, y_px, gradient_x, gradient_y]: &[f32; 4]| ContourPoint {
+        let point = |&[x_px, y_px, gradient_x, gradient_y]: &[f32; 4]| EdgePoint {
             x_px,
             y_px,
             gradient_x,
@@ -133,13 +142,14 @@ fn exemplars(documents: Vec<ExemplarDocument>, contours: &[f32]) -> Result<Vec<E
             width_px: document.width_px,
             height_px: document.height_px,
             windows: document.points,
-            contour: own.iter().map(point).collect(),
+            edges: own.iter().map(point).collect(),
         });
     }
     if left.is_empty() && rest.is_empty() { Ok(exemplars) } else { Err(ArtifactError::Contents) }
 }
 
-fn numbers(point: &ContourPoint) -> [f32; 4] {
+/// A row of the tensor `contours`.
+fn edge_row(point: &EdgePoint) -> [f32; 4] {
     [point.x_px, point.y_px, point.gradient_x, point.gradient_y]
 }
 
@@ -151,7 +161,7 @@ impl From<&Exemplar> for ExemplarDocument {
             width_px: exemplar.width_px,
             height_px: exemplar.height_px,
             points: exemplar.windows,
-            contour_points: exemplar.contour.len(),
+            contour_points: exemplar.edges.len(),
         }
     }
 }

@@ -18,22 +18,25 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::options::{DocumentError, Options};
-use super::registry::Model;
 use super::report::Report;
-use super::{ALGORITHM_REVISION, Counts, Kind};
+use super::{ALGORITHM_REVISION, Counts, Kind, Model};
 use crate::store::BlobName;
 
 /// The format that is written; older ones are read for ever.
 const FORMAT: u32 = 1;
 const METADATA_KEY: &str = "landmarkd";
 
-/// A version as its file tells it.
+/// A version as its file has it.
 pub struct Artifact {
     /// Digest of the inputs, hex.
     pub digest: String,
+    /// The revision of the algorithm that trained it.
     pub algorithm_revision: i64,
+    /// How much it was trained from.
     pub counts: Counts,
+    /// The report of its training, without timings.
     pub report: Report,
+    /// What it recognises with.
     pub model: Model,
 }
 
@@ -52,41 +55,67 @@ impl Artifact {
 /// Why a file is no artifact that can be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ArtifactError {
+    /// The file can't be parsed.
     #[error("the file is no safetensors file, or it is cut off")]
     NotSafetensors {
+        /// Why not.
         #[source]
         source: safetensors::SafeTensorError,
     },
+    /// The header is missing or can't be parsed.
     #[error("the file's metadata is not that of a landmarkd artifact")]
     Metadata {
+        /// What is wrong with the header; none where it is missing.
         #[source]
         source: Option<serde_json::Error>,
     },
+    /// A newer release wrote the file.
     #[error("the file has format {found}; this release reads up to {FORMAT}: update the service")]
-    TooNew { found: u32 },
+    TooNew {
+        /// The file's format.
+        found: u32,
+    },
+    /// A newer release trained the version.
     #[error("the file comes from algorithm revision {found}; this release knows up to {ALGORITHM_REVISION}")]
-    Revision { found: i64 },
+    Revision {
+        /// The file's algorithm revision.
+        found: i64,
+    },
+    /// No kind has that name.
     #[error("the file is of kind {kind}, which this release can't use")]
-    KindUnknown { kind: String },
+    KindUnknown {
+        /// The file's kind.
+        kind: String,
+    },
+    /// A byte of the file isn't what was written.
     #[error("the file's checksum doesn't match: it was damaged or changed")]
     Checksum,
+    /// The options aren't those of a version.
     #[error("the options in the file can't be used")]
     Options {
+        /// What is wrong with them.
         #[source]
         source: DocumentError,
     },
+    /// A tensor can't be read.
     #[error("tensor {name} is missing, or not of the type it must have")]
-    Tensor { name: &'static str },
+    Tensor {
+        /// The tensor's name.
+        name: &'static str,
+    },
+    /// The tensors are no model.
     #[error("the parts of the file don't fit together")]
     Parts {
+        /// What is wrong with them.
         #[source]
         source: Box<dyn Error + Send + Sync>,
     },
+    /// The header doesn't describe the model.
     #[error("the counts, names or digest in the file are not those of an artifact")]
     Contents,
 }
 
-/// What stands in the header of every kind.
+/// The members of the header that every kind has.
 #[derive(Serialize, Deserialize)]
 struct Header {
     format: u32,
@@ -108,8 +137,27 @@ struct WholeHeader<K> {
     of_kind: K,
 }
 
-/// Name, type, shape and little-endian bytes.
-type Tensor = (&'static str, Dtype, Vec<usize>, Vec<u8>);
+/// A tensor to write.
+struct Tensor {
+    name: &'static str,
+    dtype: Dtype,
+    shape: Vec<usize>,
+    /// The values row by row, little-endian.
+    bytes: Vec<u8>,
+}
+
+impl Tensor {
+    /// A tensor of 32-bit floating point numbers.
+    fn of_f32(name: &'static str, shape: Vec<usize>, values: &[f32]) -> Self {
+        Self { name, dtype: Dtype::F32, shape, bytes: le_bytes(values, f32::to_le_bytes) }
+    }
+
+    /// A vector of 64-bit floating point numbers.
+    fn of_f64(name: &'static str, values: &[f64]) -> Self {
+        let bytes = le_bytes(values, f64::to_le_bytes);
+        Self { name, dtype: Dtype::F64, shape: vec![values.len()], bytes }
+    }
+}
 
 const NO_CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
@@ -121,10 +169,10 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
     let header = common_header(artifact);
     match (&artifact.model, &artifact.report) {
         (Model::Landmarks(model), Report::Landmarks(report)) => {
-            write_parts(header, landmarks::take_apart(model, report))
+            write_parts(header, landmarks::header_and_tensors(model, report))
         }
         (Model::Objects(model), Report::Objects(report)) => {
-            write_parts(header, objects::take_apart(model, report))
+            write_parts(header, objects::header_and_tensors(model, report))
         }
         _ => panic!("the report is of the model's kind"),
     }
@@ -145,9 +193,9 @@ fn common_header(artifact: &Artifact) -> Header {
 fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor>)) -> Vec<u8> {
     let header = WholeHeader { common, of_kind };
     let header = serde_json::to_string(&header).expect("numbers and text always serialise");
-    let views = tensors.iter().map(|(name, dtype, shape, bytes)| {
-        let view = TensorView::new(*dtype, shape.clone(), bytes);
-        (*name, view.expect("each shape is that of its vector"))
+    let views = tensors.iter().map(|tensor| {
+        let view = TensorView::new(tensor.dtype, tensor.shape.clone(), &tensor.bytes);
+        (tensor.name, view.expect("each shape is that of its vector"))
     });
     let metadata = HashMap::from([(METADATA_KEY.to_owned(), header)]);
     let mut file = safetensors::serialize(views, Some(metadata)).expect("each name stands once");
@@ -184,13 +232,13 @@ pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
         Options::Landmarks(options) => {
             let of_kind: landmarks::LandmarkHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
-            let (model, counts) = landmarks::put_together(options, of_kind, &tensors)?;
+            let (model, counts) = landmarks::assemble(options, of_kind, &tensors)?;
             (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts)
         }
         Options::Objects(options) => {
             let of_kind: objects::ObjectHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
-            let (model, counts) = objects::put_together(options, of_kind, &tensors)?;
+            let (model, counts) = objects::assemble(options, of_kind, &tensors)?;
             (Model::Objects(Box::new(model)), Report::Objects(report), counts)
         }
     };
@@ -263,7 +311,8 @@ mod tests {
     use crate::database::LandmarkReport;
     use landmarkd_core::imaging::{Frame, Image};
     use landmarkd_core::recognition::landmarks::{
-        ExemplarName, LandmarkOptions, Landmarks, Method, Rehearsed, Viewpoint, describe,
+        CalibrationSample, Evidence, ExemplarName, LandmarkOptions, LandmarkParts, Landmarks, Method,
+        Viewpoint, describe,
     };
     use proptest::prelude::*;
     use serde_json::{Value, json};
@@ -272,10 +321,13 @@ mod tests {
     /// One with all that an artifact can hold.
     fn artifact() -> Artifact {
         let mut artifact = of(LandmarkOptions::default());
-        let said =
-            |n: usize| Rehearsed { evidence: [n as f64; 4], right: n > 12, known: n.is_multiple_of(2) };
+        let sample = |n: usize| {
+            let (log_margin, lead, share, log_points) = (n as f64, n as f64, n as f64, n as f64);
+            let evidence = Evidence::Vote { log_margin, lead, share, log_points };
+            CalibrationSample { evidence, right: n > 12, known: n.is_multiple_of(2) }
+        };
         let Model::Landmarks(model) = &mut artifact.model else { panic!("it is one of landmarks") };
-        model.calibrate(&(0..24).map(said).collect::<Vec<_>>()).unwrap();
+        model.calibrate(&(0..24).map(sample).collect::<Vec<_>>()).unwrap();
         artifact
     }
 
@@ -317,7 +369,7 @@ mod tests {
         let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model) else {
             panic!("a landmark database comes back as one")
         };
-        assert_eq!(before.to_parts(), after.to_parts());
+        assert_eq!(LandmarkParts::from(&**before), LandmarkParts::from(&**after));
         assert_eq!((read.digest.as_str(), read.counts), (written.digest.as_str(), written.counts));
         assert_eq!(write(&read), file);
         assert_eq!(write(&artifact()), file, "training the same twice gives the same bytes");
@@ -330,7 +382,7 @@ mod tests {
         let (Model::Landmarks(model), Report::Landmarks(report)) = (&artifact.model, &artifact.report) else {
             panic!("it is one of landmarks")
         };
-        let (header, tensors) = landmarks::take_apart(model, report);
+        let (header, tensors) = landmarks::header_and_tensors(model, report);
         let mut parts = (serde_json::to_value(header).unwrap(), tensors);
         change(&mut parts);
         read(&write_parts(common_header(artifact), parts))
@@ -340,7 +392,7 @@ mod tests {
     fn a_file_of_an_earlier_release_answers_as_it_did() {
         let written = of(LandmarkOptions::of(Method::Paper, Viewpoint::Free));
         let earlier = changed(&written, |(header, tensors)| {
-            tensors.retain(|(name, ..)| *name != "radius");
+            tensors.retain(|tensor| tensor.name != "radius");
             assert_eq!(tensors.len(), 6, "what there was before");
             for exemplar in header["exemplars"].as_array_mut().unwrap() {
                 exemplar.as_object_mut().unwrap().remove("contour_points").unwrap();
@@ -350,7 +402,7 @@ mod tests {
         let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &earlier.model) else {
             panic!("a landmark database comes back as one")
         };
-        assert_eq!(before.to_parts(), after.to_parts());
+        assert_eq!(LandmarkParts::from(&**before), LandmarkParts::from(&**after));
         assert!(after.confidence().is_none());
     }
 
@@ -359,7 +411,7 @@ mod tests {
         let artifact = artifact();
         assert!(changed(&artifact, |_| ()).is_ok());
         let without = |lost: &'static str| {
-            changed(&artifact, |(_, tensors)| tensors.retain(|(name, ..)| *name != lost))
+            changed(&artifact, |(_, tensors)| tensors.retain(|tensor| tensor.name != lost))
         };
         for lost in ["basis", "owner", "spectra", "contours"] {
             assert!(without(lost).is_err(), "{lost} is not missed");
@@ -378,8 +430,8 @@ mod tests {
         }
         let radius = |byte: u8| {
             changed(&artifact, |(_, tensors)| {
-                let radius = tensors.iter_mut().find(|(name, ..)| *name == "radius").unwrap();
-                *radius.3.last_mut().unwrap() = byte;
+                let radius = tensors.iter_mut().find(|tensor| tensor.name == "radius").unwrap();
+                *radius.bytes.last_mut().unwrap() = byte;
             })
         };
         assert!(radius(1).is_ok() && radius(2).is_err());
@@ -426,7 +478,7 @@ mod tests {
             let changed = changed(&TRAINED, |(_, tensors)| {
                 for (tensor, at, value) in &edits {
                     let count = tensors.len();
-                    let bytes = &mut tensors[tensor % count].3;
+                    let bytes = &mut tensors[tensor % count].bytes;
                     let words = bytes.len() / 4;
                     if let Some(word) = at.checked_rem(words) {
                         bytes[4 * word..4 * word + 4].copy_from_slice(value);
@@ -434,7 +486,7 @@ mod tests {
                 }
                 if let Some((tensor, rows)) = rows {
                     let count = tensors.len();
-                    let (_, _, shape, bytes) = &mut tensors[tensor % count];
+                    let Tensor { shape, bytes, .. } = &mut tensors[tensor % count];
                     if let Some(row_bytes) = bytes.len().checked_div(shape[0]) {
                         shape[0] = rows;
                         bytes.resize(rows * row_bytes, 0);

@@ -8,13 +8,13 @@ use safetensors::tensor::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::{ArtifactError, Tensor, le_bytes, tensor};
+use super::{ArtifactError, Tensor, tensor};
 use crate::database::{Counts, Name, ObjectsReport};
 use landmarkd_core::recognition::objects::{
-    Calibration, Eigenspace, Logistic, ObjectOptions, ObjectPart, ObjectParts, Objects, ViewName,
+    Acceptance, Eigenspace, Logistic, ObjectOptions, ObjectPart, ObjectParts, Objects, ViewName,
 };
 
-/// What stands in the header of an object database beside that of all kinds.
+/// The members of the header that only an object database has.
 #[derive(Serialize, Deserialize)]
 pub(super) struct ObjectHeader {
     width_px: usize,
@@ -55,22 +55,25 @@ struct CalibrationDocument {
 }
 
 /// Header and tensors of a model.
-pub(super) fn take_apart(objects: &Objects, report: &ObjectsReport) -> (ObjectHeader, Vec<Tensor>) {
-    let parts = objects.to_parts();
-    let appearance = parts.universal.mean.len();
-    let counted = parts.objects.iter().zip(parts.views.chunk_by(|a, b| a.label == b.label));
-    let header = ObjectHeader {
+pub(super) fn header_and_tensors(objects: &Objects, report: &ObjectsReport) -> (ObjectHeader, Vec<Tensor>) {
+    let parts = ObjectParts::from(objects);
+    (header_of(&parts, report), tensors_of(&parts))
+}
+
+fn header_of(parts: &ObjectParts, report: &ObjectsReport) -> ObjectHeader {
+    let by_object = parts.objects.iter().zip(parts.views.chunk_by(|a, b| a.label == b.label));
+    ObjectHeader {
         width_px: parts.width_px,
         height_px: parts.height_px,
         total_variance: parts.universal.total_variance,
-        objects: counted
+        objects: by_object
             .map(|(part, views)| ObjectDocument {
                 own_dimension: part.space.as_ref().map(Eigenspace::dimension),
                 total_variance: part.space.as_ref().map_or(0.0, |space| space.total_variance),
                 views: views.len(),
                 held_out: part.held_out_deg.len(),
                 scale: part.scale,
-                usual: part.usual,
+                usual: part.typical_distance,
             })
             .collect(),
         views: (parts.views.iter())
@@ -80,15 +83,19 @@ pub(super) fn take_apart(objects: &Objects, report: &ObjectsReport) -> (ObjectHe
                 pose_deg: view.pose_deg,
             })
             .collect(),
-        calibration: parts.calibration.map(|c| CalibrationDocument {
-            shrink: c.shrink,
-            angle_part: c.angle_part,
-            radius: c.radius,
-            threshold: c.threshold,
-            confidence: c.confidence.map(|fit| (fit.offset, fit.slope)),
+        calibration: parts.acceptance.map(|acceptance| CalibrationDocument {
+            shrink: acceptance.distance_ratio,
+            angle_part: acceptance.tangential_part,
+            radius: acceptance.radius,
+            threshold: acceptance.threshold,
+            confidence: acceptance.confidence.map(|fit| (fit.offset, fit.slope)),
         }),
         report: report.clone(),
-    };
+    }
+}
+
+fn tensors_of(parts: &ObjectParts) -> Vec<Tensor> {
+    let (appearance, dimension) = (parts.universal.mean.len(), parts.universal.dimension());
     let own = || parts.objects.iter().filter_map(|part| part.space.as_ref());
     let own_means: Vec<f32> = own().flat_map(|space| &space.mean).copied().collect();
     let own_bases: Vec<f32> = own().flat_map(|space| &space.basis).copied().collect();
@@ -96,73 +103,34 @@ pub(super) fn take_apart(objects: &Objects, report: &ObjectsReport) -> (ObjectHe
     let own_eigenpoints: Vec<f32> =
         parts.objects.iter().flat_map(|part| &part.eigenpoints).copied().collect();
     let held_out: Vec<f64> = parts.objects.iter().flat_map(|part| &part.held_out_deg).copied().collect();
-    let dimension = parts.universal.dimension();
-    let float = |name, shape, values: &[f32]| (name, Dtype::F32, shape, le_bytes(values, f32::to_le_bytes));
-    let double =
-        |name, values: &[f64]| (name, Dtype::F64, vec![values.len()], le_bytes(values, f64::to_le_bytes));
-    let tensors = vec![
-        float("basis", vec![dimension, appearance], &parts.universal.basis),
-        float("eigenpoints", vec![parts.views.len(), dimension], &parts.eigenpoints),
-        double("eigenvalues", &parts.universal.eigenvalues),
-        double("held_out_deg", &held_out),
-        float("mean", vec![appearance], &parts.universal.mean),
-        float("own_bases", vec![own_eigenvalues.len(), appearance], &own_bases),
-        float("own_eigenpoints", vec![own_eigenpoints.len()], &own_eigenpoints),
-        double("own_eigenvalues", &own_eigenvalues),
-        float("own_means", vec![own().count(), appearance], &own_means),
-    ];
-    (header, tensors)
+    vec![
+        Tensor::of_f32("basis", vec![dimension, appearance], &parts.universal.basis),
+        Tensor::of_f32("eigenpoints", vec![parts.views.len(), dimension], &parts.eigenpoints),
+        Tensor::of_f64("eigenvalues", &parts.universal.eigenvalues),
+        Tensor::of_f64("held_out_deg", &held_out),
+        Tensor::of_f32("mean", vec![appearance], &parts.universal.mean),
+        Tensor::of_f32("own_bases", vec![own_eigenvalues.len(), appearance], &own_bases),
+        Tensor::of_f32("own_eigenpoints", vec![own_eigenpoints.len()], &own_eigenpoints),
+        Tensor::of_f64("own_eigenvalues", &own_eigenvalues),
+        Tensor::of_f32("own_means", vec![own().count(), appearance], &own_means),
+    ]
 }
 
-/// The model of header and tensors that may hold anything, with what it counts.
-pub(super) fn put_together(
+/// The model of a header and tensors that may hold anything, with what it counts.
+///
+/// # Errors
+/// [`ArtifactError`]: a tensor is missing, or the parts don't fit together.
+pub(super) fn assemble(
     options: ObjectOptions,
     header: ObjectHeader,
     tensors: &SafeTensors,
 ) -> Result<(Objects, Counts), ArtifactError> {
-    let float = |name| tensor(tensors, name, Dtype::F32, f32::from_le_bytes);
-    let double = |name| tensor(tensors, name, Dtype::F64, f64::from_le_bytes);
     let universal = Eigenspace {
-        mean: float("mean")?,
-        basis: float("basis")?,
-        eigenvalues: double("eigenvalues")?,
+        mean: floats(tensors, "mean")?,
+        basis: floats(tensors, "basis")?,
+        eigenvalues: doubles(tensors, "eigenvalues")?,
         total_variance: header.total_variance,
     };
-    let appearance = universal.mean.len();
-    let mut own_means = Rest::of(float("own_means")?);
-    let mut own_bases = Rest::of(float("own_bases")?);
-    let mut own_eigenvalues = Rest::of(double("own_eigenvalues")?);
-    let mut own_eigenpoints = Rest::of(float("own_eigenpoints")?);
-    let mut held_out = Rest::of(double("held_out_deg")?);
-    let mut objects = Vec::with_capacity(header.objects.len());
-    for object in header.objects {
-        let space = match object.own_dimension {
-            None => None,
-            Some(dimension) => Some(Eigenspace {
-                mean: own_means.take(appearance, 1)?,
-                basis: own_bases.take(dimension, appearance)?,
-                eigenvalues: own_eigenvalues.take(dimension, 1)?,
-                total_variance: object.total_variance,
-            }),
-        };
-        objects.push(ObjectPart {
-            space,
-            eigenpoints: own_eigenpoints.take(object.views, object.own_dimension.unwrap_or(0))?,
-            scale: object.scale,
-            usual: object.usual,
-            held_out_deg: held_out.take(object.held_out, 1)?,
-        });
-    }
-    let over = [
-        own_means.0.len(),
-        own_bases.0.len(),
-        own_eigenvalues.0.len(),
-        own_eigenpoints.0.len(),
-        held_out.0.len(),
-    ];
-    if over.iter().any(|&left| left > 0) {
-        return Err(ArtifactError::Contents);
-    }
     let parts = ObjectParts {
         options,
         width_px: header.width_px,
@@ -170,25 +138,70 @@ pub(super) fn put_together(
         views: (header.views.into_iter())
             .map(|view| ViewName { id: view.id, label: view.label, pose_deg: view.pose_deg })
             .collect(),
-        eigenpoints: float("eigenpoints")?,
+        eigenpoints: floats(tensors, "eigenpoints")?,
+        objects: object_parts(header.objects, universal.mean.len(), tensors)?,
         universal,
-        objects,
-        calibration: header.calibration.map(|c| Calibration {
-            shrink: c.shrink,
-            angle_part: c.angle_part,
-            radius: c.radius,
-            threshold: c.threshold,
-            confidence: c.confidence.map(|(offset, slope)| Logistic { offset, slope }),
+        acceptance: header.calibration.map(|document| Acceptance {
+            distance_ratio: document.shrink,
+            tangential_part: document.angle_part,
+            radius: document.radius,
+            threshold: document.threshold,
+            confidence: document.confidence.map(|(offset, slope)| Logistic { offset, slope }),
         }),
     };
-    let named = |view: &ViewName| Name::parse(&view.label).is_ok() && Uuid::try_parse(&view.id).is_ok();
-    if !parts.views.iter().all(named) {
+    let is_valid = |view: &ViewName| Name::parse(&view.label).is_ok() && Uuid::try_parse(&view.id).is_ok();
+    if !parts.views.iter().all(is_valid) {
         return Err(ArtifactError::Contents);
     }
-    let model =
-        Objects::from_parts(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
+    let model = Objects::try_from(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
     let (exemplars, labels) = (model.views().len() as u64, model.labels().len() as u64);
     Ok((model, Counts { exemplars, labels, interest_points: 0 }))
+}
+
+/// The objects' own parts, each the next rows of the tensors that hold those of all; nothing may be left over.
+fn object_parts(
+    documents: Vec<ObjectDocument>,
+    appearance: usize,
+    tensors: &SafeTensors,
+) -> Result<Vec<ObjectPart>, ArtifactError> {
+    let mut means = Rest::of(floats(tensors, "own_means")?);
+    let mut bases = Rest::of(floats(tensors, "own_bases")?);
+    let mut eigenvalues = Rest::of(doubles(tensors, "own_eigenvalues")?);
+    let mut eigenpoints = Rest::of(floats(tensors, "own_eigenpoints")?);
+    let mut held_out = Rest::of(doubles(tensors, "held_out_deg")?);
+    let mut objects = Vec::with_capacity(documents.len());
+    for object in documents {
+        let space = match object.own_dimension {
+            None => None,
+            Some(dimension) => Some(Eigenspace {
+                mean: means.take(appearance, 1)?,
+                basis: bases.take(dimension, appearance)?,
+                eigenvalues: eigenvalues.take(dimension, 1)?,
+                total_variance: object.total_variance,
+            }),
+        };
+        objects.push(ObjectPart {
+            space,
+            eigenpoints: eigenpoints.take(object.views, object.own_dimension.unwrap_or(0))?,
+            scale: object.scale,
+            typical_distance: object.usual,
+            held_out_deg: held_out.take(object.held_out, 1)?,
+        });
+    }
+    let is_used_up = means.is_empty()
+        && bases.is_empty()
+        && eigenvalues.is_empty()
+        && eigenpoints.is_empty()
+        && held_out.is_empty();
+    if is_used_up { Ok(objects) } else { Err(ArtifactError::Contents) }
+}
+
+fn floats(tensors: &SafeTensors, name: &'static str) -> Result<Vec<f32>, ArtifactError> {
+    tensor(tensors, name, Dtype::F32, f32::from_le_bytes)
+}
+
+fn doubles(tensors: &SafeTensors, name: &'static str) -> Result<Vec<f64>, ArtifactError> {
+    tensor(tensors, name, Dtype::F64, f64::from_le_bytes)
 }
 
 /// What is left of a tensor that holds the numbers of all objects.
@@ -197,6 +210,10 @@ struct Rest<T>(std::vec::IntoIter<T>);
 impl<T> Rest<T> {
     fn of(values: Vec<T>) -> Self {
         Self(values.into_iter())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.len() == 0
     }
 
     /// The next rows × columns numbers.

@@ -1,34 +1,50 @@
-//! The document a calibration is kept as: JSON with names of its own, so that renaming a field inside changes nothing
-//! on the disk. Its names never change meaning; a new member needs a default.
+//! The document that a calibration is kept as, JSON. All its parts but the optics are also those of answers. Names never
+//! change meaning; a new member needs a default.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use crate::database::options::words;
+use crate::database::words::words;
 use landmarkd_core::depth::{
     Aperture, Calibration, Fault, Filters, ImageSize, Method, NearSensor, Noise, Optics, OpticsSpec,
     Photometric, Registration, Residual, Table,
 };
 
 /// The version of the document's shape.
-const VERSION: u32 = 1;
+pub const CALIBRATION_DOCUMENT_VERSION: u32 = 1;
 
 /// The kept document can't be read back.
 #[derive(Debug, thiserror::Error)]
 pub enum UnreadableCalibration {
+    /// The text is no document of a calibration.
     #[error("it is no document that this release reads")]
     Malformed {
+        /// What is wrong with the text.
         #[source]
         source: serde_json::Error,
     },
-    #[error("its version is {version}; this release reads {VERSION}")]
-    Version { version: u32 },
+    /// A newer release wrote the document.
+    #[error("its version is {version}; this release reads {CALIBRATION_DOCUMENT_VERSION}")]
+    Version {
+        /// The document's version.
+        version: u32,
+    },
+    /// No lens can have these optics.
     #[error("its optics can't be: {}", .faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
-    Optics { faults: Vec<Fault> },
+    Optics {
+        /// Everything that is wrong with the optics.
+        faults: Vec<Fault>,
+    },
+    /// The table or the filters' scale isn't what a sweep gives.
     #[error("its table has columns of different lengths or doesn't rise, or its scale is no power of two")]
     Misshapen,
 }
 
-words!(Method, MethodWord, { Gram, Laplacian, Stm });
+words!(
+    /// What depth is read from: `gram`, the depth that explains both pictures best; `stm`, a closed form, the
+    /// cheapest; `laplacian`, the paper's, which needs a calibration with a sweep by this method.
+    DepthMethodWord, Method, { Gram, Laplacian, Stm }
+);
 
 #[derive(Serialize, Deserialize)]
 struct CalibrationDocument {
@@ -45,13 +61,8 @@ struct CalibrationDocument {
     residual: Option<ResidualDocument>,
 }
 
-#[derive(Serialize, Deserialize)]
-struct ImageDocument {
-    width: usize,
-    height: usize,
-    bits: u8,
-}
-
+/// The optics as they are kept: of the ways to describe a lens that a request has, the diameter of its aperture and the
+/// distance of the near-focused sensor.
 #[derive(Serialize, Deserialize)]
 struct OpticsDocument {
     focal_length_mm: f64,
@@ -63,50 +74,152 @@ struct OpticsDocument {
     principal_point_px: Option<[f64; 2]>,
 }
 
-#[derive(Serialize, Deserialize)]
-struct RegistrationDocument {
-    affine_far_to_near: [f64; 6],
-    rms_px: f64,
+/// Declares a record of the core as the documents and the HTTP contract have it, with the conversions both ways.
+macro_rules! records {
+    (
+        $(#[$doc:meta])*
+        $name:ident as $schema:ident, $domain:ident, { $($(#[$field_doc:meta])* $field:ident: $type:ty),+ }
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Serialize, Deserialize, ToSchema)]
+        #[schema(as = $schema)]
+        pub struct $name { $($(#[$field_doc])* $field: $type),+ }
+
+        impl From<$domain> for $name {
+            fn from($domain { $($field),+ }: $domain) -> Self {
+                Self { $($field),+ }
+            }
+        }
+
+        impl From<$name> for $domain {
+            fn from($name { $($field),+ }: $name) -> Self {
+                Self { $($field),+ }
+            }
+        }
+    };
 }
 
-#[derive(Serialize, Deserialize)]
-struct PhotometricDocument {
-    dark_near: f64,
-    dark_far: f64,
-    gain_far: f64,
+records!(
+    /// How the far-focused picture is brought into register.
+    RegistrationDocument as RegistrationBody, Registration, {
+        /// a, b, c, d, e, f: the far pixel (a·x + b·y + c, d·x + e·y + f) shows what the near pixel (x, y) shows.
+        affine_far_to_near: [f64; 6],
+        /// What is left between both.
+        rms_px: f64
+    }
+);
+records!(
+    /// Offsets and gain of the two sensors, in grey levels of 255.
+    PhotometricDocument as PhotometricBody, Photometric, {
+        dark_near: f64,
+        dark_far: f64,
+        /// What the far-focused picture, without its dark level, is multiplied by.
+        gain_far: f64
+    }
+);
+records!(
+    /// Noise of a pixel: variance = read_sigma² + shot_gain · level, in grey levels of 255.
+    NoiseDocument as NoiseBody, Noise, { read_sigma: f64, shot_gain: f64 }
+);
+records!(
+    /// From what the method says to what is true, by planes at known depths.
+    TableDocument as TableBody, Table, {
+        /// Where the planes are between the focus distances: 1 near, −1 far.
+        beta: Vec<f64>,
+        /// What the method said.
+        raw: Vec<f64>,
+        /// Standard deviation of that over the plane.
+        sigma: Vec<f64>,
+        depth_mm: Vec<f64>
+    }
+);
+records!(
+    /// What is left of the planes' depths after the table.
+    ResidualDocument as ResidualBody, Residual, { rms_mm: f64, max_mm: f64 }
+);
+
+/// Size of the pictures in pixels, and bits a sample.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = ImageBody)]
+pub struct ImageDocument {
+    width: usize,
+    height: usize,
+    bits: u8,
 }
 
-#[derive(Serialize, Deserialize)]
-struct NoiseDocument {
-    read_sigma: f64,
-    shot_gain: f64,
+impl From<ImageSize> for ImageDocument {
+    fn from(image: ImageSize) -> Self {
+        Self { width: image.width_px, height: image.height_px, bits: image.bits }
+    }
 }
 
-#[derive(Serialize, Deserialize)]
-struct FiltersDocument {
-    method: MethodWord,
+impl From<ImageDocument> for ImageSize {
+    fn from(image: ImageDocument) -> Self {
+        Self { width_px: image.width, height_px: image.height, bits: image.bits }
+    }
+}
+
+/// The filters that the table was measured with.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = FiltersBody)]
+pub struct FiltersDocument {
+    method: DepthMethodWord,
+    /// Side of the kernels.
     #[serde(rename = "K")]
     side: usize,
+    /// Pairs of kernels.
     #[serde(rename = "J")]
     rank: usize,
+    /// Highest frequency that they let pass, cycles a pixel.
     band: f64,
-    /// How many pixels' side the filters' pixel is: 1, 2, 4, …
+    /// By how much the pictures are shrunk first.
     scale: u32,
     hash: String,
 }
 
-#[derive(Serialize, Deserialize)]
-struct TableDocument {
-    beta: Vec<f64>,
-    raw: Vec<f64>,
-    sigma: Vec<f64>,
-    depth_mm: Vec<f64>,
+impl From<Filters> for FiltersDocument {
+    fn from(filters: Filters) -> Self {
+        Self {
+            method: filters.method.into(),
+            side: filters.side,
+            rank: filters.rank,
+            band: filters.band,
+            scale: 1 << filters.halvings,
+            hash: filters.hash,
+        }
+    }
 }
 
-#[derive(Serialize, Deserialize)]
-struct ResidualDocument {
-    rms_mm: f64,
-    max_mm: f64,
+impl TryFrom<FiltersDocument> for Filters {
+    type Error = UnreadableCalibration;
+
+    fn try_from(document: FiltersDocument) -> Result<Self, UnreadableCalibration> {
+        if !document.scale.is_power_of_two() {
+            return Err(UnreadableCalibration::Misshapen);
+        }
+        Ok(Self {
+            method: document.method.into(),
+            side: document.side,
+            rank: document.rank,
+            band: document.band,
+            halvings: document.scale.trailing_zeros(),
+            hash: document.hash,
+        })
+    }
+}
+
+impl TableDocument {
+    /// The table, if its columns are of one length and rise.
+    fn checked(self) -> Result<Table, UnreadableCalibration> {
+        let Table { beta, raw, sigma, depth_mm } = Table::from(self);
+        let alike = [raw.len(), sigma.len(), depth_mm.len()] == [beta.len(); 3];
+        let rising =
+            beta.is_sorted_by(|a, b| a < b) && raw.is_sorted_by(|a, b| a <= b) && raw.first() < raw.last();
+        match alike && rising {
+            true => Ok(Table { beta, raw, sigma, depth_mm }),
+            false => Err(UnreadableCalibration::Misshapen),
+        }
+    }
 }
 
 /// The calibration as one line of JSON.
@@ -125,43 +238,16 @@ pub(super) fn read(text: &str) -> Result<Calibration, UnreadableCalibration> {
 impl From<&Calibration> for CalibrationDocument {
     fn from(calibration: &Calibration) -> Self {
         Self {
-            version: VERSION,
-            image: calibration.image.map(|image| ImageDocument {
-                width: image.width_px,
-                height: image.height_px,
-                bits: image.bits,
-            }),
+            version: CALIBRATION_DOCUMENT_VERSION,
+            image: calibration.image.map(ImageDocument::from),
             optics: (&calibration.optics).into(),
             stated: calibration.stated.as_ref().map(OpticsDocument::from),
-            registration: calibration.registration.map(|registration| RegistrationDocument {
-                affine_far_to_near: registration.affine_far_to_near,
-                rms_px: registration.rms_px,
-            }),
-            photometric: calibration.photometric.map(|photometric| PhotometricDocument {
-                dark_near: photometric.dark_near,
-                dark_far: photometric.dark_far,
-                gain_far: photometric.gain_far,
-            }),
-            noise: calibration
-                .noise
-                .map(|noise| NoiseDocument { read_sigma: noise.read_sigma, shot_gain: noise.shot_gain }),
-            filters: calibration.filters.as_ref().map(|filters| FiltersDocument {
-                method: filters.method.into(),
-                side: filters.side,
-                rank: filters.rank,
-                band: filters.band,
-                scale: 1 << filters.halvings,
-                hash: filters.hash.clone(),
-            }),
-            table: calibration.table.as_ref().map(|table| TableDocument {
-                beta: table.beta.clone(),
-                raw: table.raw.clone(),
-                sigma: table.sigma.clone(),
-                depth_mm: table.depth_mm.clone(),
-            }),
-            residual: calibration
-                .residual
-                .map(|residual| ResidualDocument { rms_mm: residual.rms_mm, max_mm: residual.max_mm }),
+            registration: calibration.registration.map(RegistrationDocument::from),
+            photometric: calibration.photometric.map(PhotometricDocument::from),
+            noise: calibration.noise.map(NoiseDocument::from),
+            filters: calibration.filters.clone().map(FiltersDocument::from),
+            table: calibration.table.clone().map(TableDocument::from),
+            residual: calibration.residual.map(ResidualDocument::from),
         }
     }
 }
@@ -208,55 +294,19 @@ impl TryFrom<CalibrationDocument> for Calibration {
     type Error = UnreadableCalibration;
 
     fn try_from(document: CalibrationDocument) -> Result<Self, UnreadableCalibration> {
-        if document.version != VERSION {
+        if document.version != CALIBRATION_DOCUMENT_VERSION {
             return Err(UnreadableCalibration::Version { version: document.version });
         }
-        let filters = document.filters.map(|filters| match filters.scale.is_power_of_two() {
-            true => Ok(Filters {
-                method: filters.method.into(),
-                side: filters.side,
-                rank: filters.rank,
-                band: filters.band,
-                halvings: filters.scale.trailing_zeros(),
-                hash: filters.hash,
-            }),
-            false => Err(UnreadableCalibration::Misshapen),
-        });
-        let table = document.table.map(|TableDocument { beta, raw, sigma, depth_mm }| {
-            let alike = [raw.len(), sigma.len(), depth_mm.len()] == [beta.len(); 3];
-            let rising = beta.is_sorted_by(|a, b| a < b)
-                && raw.is_sorted_by(|a, b| a <= b)
-                && raw.first() < raw.last();
-            match alike && rising {
-                true => Ok(Table { beta, raw, sigma, depth_mm }),
-                false => Err(UnreadableCalibration::Misshapen),
-            }
-        });
         Ok(Calibration {
-            image: document.image.map(|image| ImageSize {
-                width_px: image.width,
-                height_px: image.height,
-                bits: image.bits,
-            }),
+            image: document.image.map(ImageSize::from),
             optics: document.optics.try_into()?,
             stated: document.stated.map(Optics::try_from).transpose()?,
-            registration: document.registration.map(|registration| Registration {
-                affine_far_to_near: registration.affine_far_to_near,
-                rms_px: registration.rms_px,
-            }),
-            photometric: document.photometric.map(|photometric| Photometric {
-                dark_near: photometric.dark_near,
-                dark_far: photometric.dark_far,
-                gain_far: photometric.gain_far,
-            }),
-            noise: document
-                .noise
-                .map(|noise| Noise { read_sigma: noise.read_sigma, shot_gain: noise.shot_gain }),
-            filters: filters.transpose()?,
-            table: table.transpose()?,
-            residual: document
-                .residual
-                .map(|residual| Residual { rms_mm: residual.rms_mm, max_mm: residual.max_mm }),
+            registration: document.registration.map(Registration::from),
+            photometric: document.photometric.map(Photometric::from),
+            noise: document.noise.map(Noise::from),
+            filters: document.filters.map(Filters::try_from).transpose()?,
+            table: document.table.map(TableDocument::checked).transpose()?,
+            residual: document.residual.map(Residual::from),
         })
     }
 }
@@ -335,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn what_this_release_cannot_read_is_told_so() {
+    fn what_this_release_cannot_read_is_refused() {
         let with = |from: &str, to: &str| read(&text(&full()).replace(from, to)).unwrap_err();
         assert!(matches!(
             with(r#""version":1"#, r#""version":2"#),

@@ -9,20 +9,27 @@ use bytes::Bytes;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-pub use document::UnreadableCalibration;
+pub use document::{
+    CALIBRATION_DOCUMENT_VERSION, DepthMethodWord, FiltersDocument, ImageDocument, NoiseDocument,
+    PhotometricDocument, RegistrationDocument, ResidualDocument, TableDocument, UnreadableCalibration,
+};
 
 use super::{DatabaseError, Databases, Name};
 use crate::store::{Actor, CalibrationRow, CatalogueError};
 use landmarkd_core::depth::{Calibration, Optics};
 
-/// A calibration under its name.
+/// A rig of a lens before two sensors: a calibration under a name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
+    /// The calibration's name.
     pub name: String,
+    /// What is known of the rig.
     pub calibration: Calibration,
     /// Grows with every change.
     pub revision: i64,
+    /// When it was created.
     pub created_at: Timestamp,
+    /// When it was last changed.
     pub updated_at: Timestamp,
 }
 
@@ -31,11 +38,11 @@ pub struct Rig {
 pub struct PictureBlob {
     /// Name of the blob.
     pub blob: String,
-    /// Its size.
+    /// Its size in bytes.
     pub bytes: u64,
 }
 
-/// How often a rig is put again when others change it at the same time.
+/// Attempts to put a rig while others change it.
 const PUT_ATTEMPTS: u32 = 8;
 
 impl TryFrom<CalibrationRow> for Rig {
@@ -51,7 +58,7 @@ impl TryFrom<CalibrationRow> for Rig {
 }
 
 impl Databases {
-    /// Create a rig of this optics, or find the one of that name; `true` when it is new. The same optics keeps what
+    /// Creates a rig of this optics, or finds the one of that name; `true` when it is new. The same optics keeps what
     /// was measured with it; another drops it.
     ///
     /// # Errors
@@ -98,7 +105,7 @@ impl Databases {
         self.catalogue.calibrations(after, limit).await?.into_iter().map(Rig::try_from).collect()
     }
 
-    /// Delete a rig; its unfinished jobs are cancelled.
+    /// Deletes a rig; its unfinished jobs are cancelled.
     ///
     /// # Errors
     /// [`DatabaseError::UnknownCalibration`].
@@ -109,7 +116,7 @@ impl Databases {
         Err(DatabaseError::UnknownCalibration { calibration: name.to_string() })
     }
 
-    /// Keep what was found out about a rig since it was read.
+    /// Keeps what was measured with a rig since it was read.
     ///
     /// # Errors
     /// [`DatabaseError::CalibrationChanged`] when it isn't as it was then, or is gone.
@@ -129,7 +136,7 @@ impl Databases {
         }
     }
 
-    /// End a job with what it found out about a rig since it was read.
+    /// Ends a job with what it measured with a rig since it was read.
     ///
     /// # Errors
     /// As [`Self::update_rig`], and those of a job whose lease was lost or that was asked to end.
@@ -149,10 +156,10 @@ impl Databases {
         }
     }
 
-    /// Keep a picture for a job that is queued next: one that no job names is removed after a day.
+    /// Keeps a picture for a job that is queued next: one that no job names is removed after a day.
     ///
     /// # Errors
-    /// A blob store that is away.
+    /// The blob store is unavailable.
     pub async fn keep_picture(&self, bytes: Bytes) -> Result<PictureBlob, DatabaseError> {
         let size = bytes.len() as u64;
         Ok(PictureBlob { blob: self.blobs.put(bytes).await?.to_string(), bytes: size })

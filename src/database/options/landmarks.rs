@@ -1,121 +1,147 @@
-//! Landmark options as they are kept.
+//! The document of landmark options.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::words;
+use super::present_or_null;
+use crate::database::words::words;
 use landmarkd_core::recognition::landmarks::{
     Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Taper, Viewpoint,
 };
 
-words!(Method, MethodWord, { Placement, Paper });
-words!(Viewpoint, ViewpointWord, { Free, Upright });
-words!(Operator, OperatorWord, { Symmetry, Harris });
-words!(Taper, TaperWord, { Radial, Literal });
-words!(Normalise, NormaliseWord, { Contrast, Energy, None });
-words!(Colour, ColourWord, { Auto, Gray, Opponent });
-words!(PerLabel, PerLabelWord, { Best, Sum });
+words!(
+    /// How matches become an answer: by agreeing on where an exemplar lies and how it is turned (`placement`), or by
+    /// each point's vote for the exemplar of its nearest eigenpoint, the published method (`paper`).
+    MethodWord, Method, { Placement, Paper }
+);
+words!(
+    /// Whether the camera may turn about its axis, or stays upright as on wheels.
+    ViewpointWord, Viewpoint, { Free, Upright }
+);
+words!(
+    /// What draws attention: generalised symmetry, as in the paper, or corners (Harris): fewer points, on objects as
+    /// good, on places not.
+    OperatorWord, Operator, { Symmetry, Harris }
+);
+words!(
+    /// How a sub-window fades towards its rim: over the radius alone, or over both axes as the paper's text has it.
+    TaperWord, Taper, { Radial, Literal }
+);
+words!(
+    /// What is made equal between sub-windows before the transform.
+    NormaliseWord, Normalise, { Contrast, Energy, None }
+);
+words!(
+    /// Which planes signatures are taken from.
+    ColourWord, Colour, { Auto, Gray, Opponent }
+);
+words!(
+    /// How a label's weight is made of its exemplars' weights.
+    PerLabelWord, PerLabel, { Best, Sum }
+);
 
-/// The document. The order of the members is the order in the document and in digests.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct LandmarkDocument {
-    method: MethodWord,
-    viewpoint: ViewpointWord,
-    operator: OperatorWord,
-    symmetry_radius_px: usize,
-    interest_points: usize,
-    query_points: usize,
-    #[serde(serialize_with = "write_radii", deserialize_with = "read_radii")]
-    subwindow_radius_px: Vec<f64>,
-    rings: usize,
-    sectors: usize,
-    taper: TaperWord,
-    normalise: NormaliseWord,
-    colour: ColourWord,
-    dimension: usize,
-    neighbours: usize,
-    epsilon: f64,
-    per_label: PerLabelWord,
-    /// Left out where there is none: digests from before it was an option stay what they are.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    position_prior_px: Option<f64>,
-}
-
-/// One radius stands as a number, as it did before there could be several.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged, expecting = "subwindow_radius_px is a number, or a list of numbers")]
-enum RadiiDocument {
+/// A radius, or one to four different ones, the smallest first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = RadiiBody)]
+#[serde(untagged, expecting = "expected a number, or a list of numbers")]
+pub enum RadiiDocument {
+    // One radius, in pixels.
     One(f64),
+    // Several radii, in pixels.
     Several(Vec<f64>),
 }
 
-fn write_radii<S: Serializer>(radii_px: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
-    match radii_px {
-        [one] => RadiiDocument::One(*one),
-        several => RadiiDocument::Several(several.to_vec()),
-    }
-    .serialize(serializer)
-}
-
-fn read_radii<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
-    Ok(match RadiiDocument::deserialize(deserializer)? {
-        RadiiDocument::One(one) => vec![one],
-        RadiiDocument::Several(several) => several,
-    })
-}
-
-impl From<&LandmarkOptions> for LandmarkDocument {
-    fn from(options: &LandmarkOptions) -> Self {
-        Self {
-            method: options.method.into(),
-            viewpoint: options.viewpoint.into(),
-            operator: options.operator.into(),
-            symmetry_radius_px: options.symmetry_radius_px,
-            interest_points: options.interest_points,
-            query_points: options.query_points,
-            subwindow_radius_px: options.subwindow_radii_px.clone(),
-            rings: options.rings,
-            sectors: options.sectors,
-            taper: options.taper.into(),
-            normalise: options.normalise.into(),
-            colour: options.colour.into(),
-            dimension: options.dimension,
-            neighbours: options.neighbours,
-            epsilon: options.epsilon,
-            per_label: options.per_label.into(),
-            position_prior_px: options.position_prior_px,
+impl From<Vec<f64>> for RadiiDocument {
+    fn from(radii_px: Vec<f64>) -> Self {
+        match radii_px[..] {
+            [one] => Self::One(one),
+            _ => Self::Several(radii_px),
         }
     }
 }
 
-/// What is absent in a kept document: the default of the release that added the option. Only documents from when
-/// there was no other method than the paper's lack any but the position prior.
-impl Default for LandmarkDocument {
-    fn default() -> Self {
-        Self::from(&LandmarkOptions::of(Method::Paper, Viewpoint::Free))
+impl From<RadiiDocument> for Vec<f64> {
+    fn from(document: RadiiDocument) -> Self {
+        match document {
+            RadiiDocument::One(one) => vec![one],
+            RadiiDocument::Several(several) => several,
+        }
     }
 }
 
-impl From<LandmarkDocument> for LandmarkOptions {
-    fn from(document: LandmarkDocument) -> Self {
-        Self {
-            method: document.method.into(),
-            viewpoint: document.viewpoint.into(),
-            operator: document.operator.into(),
-            symmetry_radius_px: document.symmetry_radius_px,
-            interest_points: document.interest_points,
-            query_points: document.query_points,
-            subwindow_radii_px: document.subwindow_radius_px,
-            rings: document.rings,
-            sectors: document.sectors,
-            taper: document.taper.into(),
-            normalise: document.normalise.into(),
-            colour: document.colour.into(),
-            dimension: document.dimension,
-            neighbours: document.neighbours,
-            epsilon: document.epsilon,
-            per_label: document.per_label.into(),
-            position_prior_px: document.position_prior_px,
-        }
+// The order of the members is their order in kept documents, of which digests are made.
+options_document!(
+    /// Options of a database of kind `landmarks`. Defaults are those of `method` and `viewpoint`: a body that names another
+    /// of these than the database has starts from that pair's defaults, and its other members are put over them.
+    LandmarkOptionsDocument as LandmarkOptionsBody, LandmarkOptions, {
+        #[schema(required = false)]
+        method: MethodWord,
+        #[schema(required = false)]
+        viewpoint: ViewpointWord,
+        #[schema(required = false)]
+        operator: OperatorWord,
+        /// Radius of the symmetry operator.
+        #[schema(minimum = 2, maximum = 16)]
+        symmetry_radius_px: usize,
+        /// Interest points an exemplar.
+        #[schema(minimum = 1, maximum = 1024)]
+        interest_points: usize,
+        /// Interest points a query frame.
+        #[schema(minimum = 1, maximum = 4096)]
+        query_points: usize,
+        /// Radius of a sub-window, 2 to 64; with `placement` one to four radii, the smallest first: every point has a
+        /// sub-window of each, so that what is nearer or farther away is known again.
+        #[schema(required = false)]
+        #[serde(rename = "subwindow_radius_px")]
+        subwindow_radii_px: RadiiDocument,
+        /// Rows of a polar sub-window.
+        #[schema(minimum = 2, maximum = 64)]
+        rings: usize,
+        /// Columns of a polar sub-window.
+        #[schema(minimum = 4, maximum = 128)]
+        sectors: usize,
+        #[schema(required = false)]
+        taper: TaperWord,
+        #[schema(required = false)]
+        normalise: NormaliseWord,
+        #[schema(required = false)]
+        colour: ColourWord,
+        /// Dimension of the eigenspace.
+        #[schema(minimum = 1, maximum = 256)]
+        dimension: usize,
+        /// Nearest eigenpoints that each sub-window of a frame is matched with; the paper's method has one.
+        #[schema(minimum = 1, maximum = 64)]
+        neighbours: usize,
+        /// ε of the vote 1/(D+ε).
+        epsilon: f64,
+        #[schema(required = false)]
+        per_label: PerLabelWord,
+        /// Upright: a window is believed to be seen within some such distance of where it was; null: anywhere.
+        #[schema(value_type = Option<f64>, minimum = 1, maximum = 1000)]
+        #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
+        position_prior_px: Option<f64>,
+    }
+);
+
+impl LandmarkOptionsDocument {
+    /// The document as it is kept: without `position_prior_px` where that is null, as digests from before it was an
+    /// option have it.
+    pub(super) fn kept(options: &LandmarkOptions) -> Self {
+        Self { position_prior_px: options.position_prior_px.map(Some), ..options.clone().into() }
+    }
+
+    /// The options of a kept document. What is absent is the paper's: only documents from when there was no other
+    /// method lack any member but the position prior.
+    pub(super) fn read_kept(self) -> LandmarkOptions {
+        self.over(LandmarkOptions::of(Method::Paper, Viewpoint::Free))
+    }
+
+    /// The options `base` changed by this document: one that names another method or viewpoint starts from the
+    /// defaults of that pair.
+    pub fn patch(self, base: LandmarkOptions) -> LandmarkOptions {
+        let method = self.method.map_or(base.method, Method::from);
+        let viewpoint = self.viewpoint.map_or(base.viewpoint, Viewpoint::from);
+        let same = (method, viewpoint) == (base.method, base.viewpoint);
+        self.over(if same { base } else { LandmarkOptions::of(method, viewpoint) })
     }
 }

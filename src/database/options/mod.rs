@@ -1,24 +1,65 @@
-//! The options of a database: which kind it is and how it is trained, and the document they are kept as.
+//! The options of a database: which kind it is and how it is trained, and the document that is sent and kept.
 //!
-//! The document is JSON with one member an option; absent members mean the default. It stands in the catalogue,
-//! in every version and in artifact files, so its names never change meaning. One file a kind.
+//! The document is JSON with one member an option. In a request absent members keep their value; in a kept document they
+//! mean the default of the release that added them. It stands in the catalogue, in every version and in artifact files,
+//! so its names never change meaning. One file a kind, one for segmentations.
+
+/// Declares the document of options: a member for each option, of a type that converts to and from the option's, absent
+/// or present.
+macro_rules! options_document {
+    (
+        $(#[$doc:meta])*
+        $name:ident as $schema:ident, $options:ident, { $($(#[$attribute:meta])* $option:ident: $type:ty),+ $(,)? }
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
+        #[schema(as = $schema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name { $($(#[$attribute])* $option: Option<$type>),+ }
+
+        /// Every member is present.
+        impl From<$options> for $name {
+            fn from(options: $options) -> Self {
+                Self { $($option: Some(options.$option.into())),+ }
+            }
+        }
+
+        impl $name {
+            /// The options `base` with the members that are present put over them.
+            pub fn over(self, base: $options) -> $options {
+                $options { $($option: self.$option.map_or(base.$option, Into::into)),+ }
+            }
+        }
+    };
+}
 
 mod landmarks;
 mod objects;
+mod segmentation;
+
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
+use utoipa::openapi::schema::AnyOfBuilder;
+use utoipa::openapi::{Ref, RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
 use landmarkd_core::recognition::OptionFault;
 use landmarkd_core::recognition::landmarks::LandmarkOptions;
 use landmarkd_core::recognition::objects::ObjectOptions;
 
-use landmarks::LandmarkDocument;
-use objects::ObjectDocument;
+pub use landmarks::LandmarkOptionsDocument;
+use objects::KeptObjectOptions;
+pub use objects::ObjectOptionsDocument;
+pub use segmentation::SegmentationOptionsDocument;
 
 /// What a database recognises by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = KindWord)]
+#[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Local appearance: interest points, sub-windows, votes.
+    /// Local appearance (interest points, sub-windows, votes): places and objects on any background.
     Landmarks,
-    /// Whole appearance: eigenimages, and the pose.
+    /// Whole appearance (eigenimages): which object, and its pose.
     Objects,
 }
 
@@ -40,7 +81,9 @@ impl Kind {
 /// All options of a database.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Options {
+    /// Of a database of kind `landmarks`.
     Landmarks(LandmarkOptions),
+    /// Of a database of kind `objects`.
     Objects(ObjectOptions),
 }
 
@@ -61,11 +104,11 @@ impl Options {
         }
     }
 
-    /// The options as one line of JSON: the same options always give the same text.
+    /// The options as they are kept, one line of JSON: the same options always give the same text.
     pub fn to_document(&self) -> String {
         let text = match self {
-            Self::Landmarks(options) => serde_json::to_string(&LandmarkDocument::from(options)),
-            Self::Objects(options) => serde_json::to_string(&ObjectDocument::from(options)),
+            Self::Landmarks(options) => serde_json::to_string(&LandmarkOptionsDocument::kept(options)),
+            Self::Objects(options) => serde_json::to_string(&KeptObjectOptions::from(options)),
         };
         text.expect("numbers and words always serialise")
     }
@@ -78,14 +121,17 @@ impl Options {
         let malformed = |source| DocumentError::Malformed { source };
         let options = match kind {
             Kind::Landmarks => {
-                Self::Landmarks(serde_json::from_str::<LandmarkDocument>(text).map_err(malformed)?.into())
+                let document: LandmarkOptionsDocument = serde_json::from_str(text).map_err(malformed)?;
+                Self::Landmarks(document.read_kept())
             }
             Kind::Objects => {
-                Self::Objects(serde_json::from_str::<ObjectDocument>(text).map_err(malformed)?.into())
+                let document: ObjectOptionsDocument = serde_json::from_str(text).map_err(malformed)?;
+                Self::Objects(document.over(ObjectOptions::default()))
             }
         };
-        let faults = options.faults();
-        if faults.is_empty() { Ok(options) } else { Err(DocumentError::Impossible { faults }) }
+        let members: Map<String, Value> = serde_json::from_str(text).map_err(malformed)?;
+        refuse_null(&members).map_err(malformed)?;
+        options.usable()
     }
 
     /// Everything that is wrong with the options, all at once; empty if they can be used.
@@ -95,35 +141,100 @@ impl Options {
             Self::Objects(options) => options.faults(),
         }
     }
+
+    /// The options, if they can be used.
+    ///
+    /// # Errors
+    /// [`DocumentError::Impossible`] with everything that is wrong with them.
+    pub fn usable(self) -> Result<Self, DocumentError> {
+        let faults = self.faults();
+        if faults.is_empty() { Ok(self) } else { Err(DocumentError::Impossible { faults }) }
+    }
+}
+
+/// Options that may be null.
+const NULLABLE: [&str; 3] = ["width_px", "height_px", "position_prior_px"];
+
+/// Refuses null for other options than [`NULLABLE`]. In a request null means absent; a kept document has no such member.
+///
+/// # Errors
+/// The option that is null.
+pub fn refuse_null(members: &Map<String, Value>) -> Result<(), serde_json::Error> {
+    match members.iter().find(|(name, value)| value.is_null() && !NULLABLE.contains(&name.as_str())) {
+        Some((name, _)) => Err(serde::de::Error::custom(format!("{name} is null"))),
+        None => Ok(()),
+    }
+}
+
+/// A member that may be null: `None` where it is absent, `Some(None)` where it is null.
+fn present_or_null<'de, D, T>(deserializer: D) -> Result<Option<Option<T>>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    Option::deserialize(deserializer).map(Some)
+}
+
+/// Options of a database as answers have them, every member present.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum OptionsDocument {
+    /// Of a database of kind `landmarks`.
+    Landmarks(LandmarkOptionsDocument),
+    /// Of a database of kind `objects`.
+    Objects(ObjectOptionsDocument),
+}
+
+impl From<&Options> for OptionsDocument {
+    fn from(options: &Options) -> Self {
+        match options {
+            Options::Landmarks(options) => Self::Landmarks(options.clone().into()),
+            Options::Objects(options) => Self::Objects(options.clone().into()),
+        }
+    }
+}
+
+/// `anyOf`: a document without members is of both kinds, so that `oneOf`, which is derived, would refuse it.
+impl PartialSchema for OptionsDocument {
+    fn schema() -> RefOr<Schema> {
+        let kinds = [LandmarkOptionsDocument::name(), ObjectOptionsDocument::name()];
+        let any = kinds
+            .iter()
+            .fold(AnyOfBuilder::new(), |any, kind| any.item(Ref::from_schema_name(kind.as_ref())));
+        any.description(Some("Options of a database, by its kind.")).into()
+    }
+}
+
+impl ToSchema for OptionsDocument {
+    fn name() -> std::borrow::Cow<'static, str> {
+        "OptionsBody".into()
+    }
+
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        schemas.push((LandmarkOptionsDocument::name().into(), LandmarkOptionsDocument::schema()));
+        schemas.push((ObjectOptionsDocument::name().into(), ObjectOptionsDocument::schema()));
+        LandmarkOptionsDocument::schemas(schemas);
+        ObjectOptionsDocument::schemas(schemas);
+    }
 }
 
 /// The kept document can't be read back.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
+    /// The text is no document of this release's options.
     #[error("the options are no document that this release reads")]
     Malformed {
+        /// What is wrong with the text.
         #[source]
         source: serde_json::Error,
     },
+    /// The options exclude each other, or are out of range.
     #[error("the options can't be used: {}", .faults.iter().map(|f| format!("{} {}", f.option, f.message)).collect::<Vec<_>>().join("; "))]
-    Impossible { faults: Vec<OptionFault> },
+    Impossible {
+        /// Everything that is wrong, all at once.
+        faults: Vec<OptionFault>,
+    },
 }
-
-/// Options that are words: a twin of the type that serialises, and both ways between them.
-macro_rules! words {
-    ($type:ident, $document:ident, { $($variant:ident),+ }) => {
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        enum $document { $($variant),+ }
-        impl From<$type> for $document {
-            fn from(value: $type) -> Self { match value { $($type::$variant => Self::$variant),+ } }
-        }
-        impl From<$document> for $type {
-            fn from(value: $document) -> Self { match value { $($document::$variant => Self::$variant),+ } }
-        }
-    };
-}
-pub(super) use words;
 
 #[cfg(test)]
 mod tests {
@@ -204,6 +315,33 @@ mod tests {
             let text = Options::default_of(other).to_document();
             assert!(matches!(Options::from_document(kind, &text), Err(DocumentError::Malformed { .. })));
         }
+    }
+
+    #[test]
+    fn a_kept_document_has_null_only_where_null_is_a_value() {
+        for (kind, option, readable) in [
+            (Kind::Landmarks, "rings", false),
+            (Kind::Landmarks, "position_prior_px", true),
+            (Kind::Objects, "segment", false),
+            (Kind::Objects, "width_px", true),
+        ] {
+            let read = Options::from_document(kind, &format!("{{\"{option}\":null}}"));
+            assert_eq!(read.is_ok(), readable, "{option}");
+        }
+    }
+
+    #[test]
+    fn an_answer_has_every_member_and_a_kept_document_leaves_out_what_is_off() {
+        let only_in_answers = [(Kind::Landmarks, "position_prior_px"), (Kind::Objects, "segment")];
+        for (kind, option) in only_in_answers {
+            let options = Options::default_of(kind);
+            let answer = serde_json::to_string(&OptionsDocument::from(&options)).unwrap();
+            assert!(answer.contains(option) && !options.to_document().contains(option), "{answer}");
+        }
+        let cut = Options::Objects(ObjectOptions { segment: true, ..Default::default() });
+        assert!(cut.to_document().contains(r#""resize":"fit","segment":true,"smoothing""#));
+        let answer = serde_json::to_string(&OptionsDocument::from(&cut)).unwrap();
+        assert!(answer.contains(r#""smoothing":0.0234375,"segment":true,"dimension""#), "{answer}");
     }
 
     #[test]

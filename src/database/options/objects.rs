@@ -1,97 +1,124 @@
-//! Object options as they are kept.
+//! The document of object options.
 
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::words;
+use super::present_or_null;
+use crate::database::words::{AutoWord, words};
 use landmarkd_core::recognition::objects::{Dimension, Distance, ObjectOptions, Resize, Search, Stages};
 
-words!(Resize, ResizeWord, { Fit, Never });
-words!(Stages, StagesWord, { UniversalThenObject, UniversalOnly });
-words!(Search, SearchWord, { KdTree, Slabs, Exhaustive });
-words!(Distance, DistanceWord, { Euclidean, Mahalanobis });
+words!(
+    /// What becomes of a picture of another size: it is scaled to fit, centred on black, and the answer or report says
+    /// so; or it is refused.
+    ResizeWord, Resize, { Fit, Never }
+);
+words!(
+    /// Whether the universal eigenspace only proposes objects and each one's own settles which and how turned, or
+    /// answers alone: for small sets.
+    StagesWord, Stages, { UniversalThenObject, UniversalOnly }
+);
+words!(
+    /// How the eigenpoints near a query are found; the answers are the same.
+    SearchWord, Search, { KdTree, Slabs, Exhaustive }
+);
+words!(
+    /// By what the universal eigenspace orders objects.
+    DistanceWord, Distance, { Euclidean, Mahalanobis }
+);
 
-/// The document. The order of the members is the order in the document and in digests.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ObjectDocument {
+/// A number of coordinates, or `auto`: the least that recognises held-out views as well as any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = DimensionBody)]
+#[serde(untagged, expecting = "expected a whole number or \"auto\"")]
+pub enum DimensionDocument {
+    // So many coordinates.
+    Number(usize),
+    // Chosen in training.
+    Word(AutoWord),
+}
+
+impl From<Dimension> for DimensionDocument {
+    fn from(dimension: Dimension) -> Self {
+        match dimension {
+            Dimension::Fixed(number) => Self::Number(number),
+            Dimension::Auto => Self::Word(AutoWord::Auto),
+        }
+    }
+}
+
+impl From<DimensionDocument> for Dimension {
+    fn from(document: DimensionDocument) -> Self {
+        match document {
+            DimensionDocument::Number(number) => Self::Fixed(number),
+            DimensionDocument::Word(AutoWord::Auto) => Self::Auto,
+        }
+    }
+}
+
+options_document!(
+    /// Options of a database of kind `objects`.
+    ObjectOptionsDocument as ObjectOptionsBody, ObjectOptions, {
+        /// Width of the database's pictures; null, as the height then: the commonest size among the exemplars.
+        #[schema(value_type = Option<usize>, minimum = 8, maximum = 1024)]
+        #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
+        width_px: Option<usize>,
+        /// Height of the database's pictures.
+        #[schema(value_type = Option<usize>, minimum = 8, maximum = 1024)]
+        #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
+        height_px: Option<usize>,
+        #[schema(required = false)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        resize: ResizeWord,
+        /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side.
+        #[schema(minimum = 0, maximum = 0.1)]
+        smoothing: f64,
+        /// Whether the object is cut out of its picture first, in training and in recognition: the largest region that
+        /// stands out from the background, in the square about its centroid, on black. Pictures are then square, of 128 px
+        /// unless a size is given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        segment: bool,
+        /// Coordinates of an eigenpoint in the universal eigenspace, 1 to 256, or `auto`.
+        #[schema(required = false)]
+        dimension: DimensionDocument,
+        #[schema(required = false)]
+        stages: StagesWord,
+        #[schema(required = false)]
+        search: SearchWord,
+        #[schema(required = false)]
+        distance: DistanceWord,
+        /// Part of the known objects that is to be accepted.
+        #[schema(minimum = 0.5, maximum = 0.9999)]
+        accept: f64,
+    }
+);
+
+/// The document as it is kept, of which digests are made: `segment` comes before `smoothing`, and only where it is true,
+/// as digests from before it was an option have it.
+#[derive(Serialize)]
+pub(super) struct KeptObjectOptions {
     width_px: Option<usize>,
     height_px: Option<usize>,
     resize: ResizeWord,
-    /// Left out where it is false: digests from before it was an option stay what they are.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     segment: bool,
-    smoothing: f64,
-    #[serde(serialize_with = "write_dimension", deserialize_with = "read_dimension")]
-    dimension: Dimension,
-    stages: StagesWord,
-    search: SearchWord,
-    distance: DistanceWord,
-    accept: f64,
+    #[serde(flatten)]
+    rest: ObjectOptionsDocument,
 }
 
-/// A number, or the word `auto`.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum DimensionDocument {
-    Number(usize),
-    Word(String),
-}
-
-fn write_dimension<S: Serializer>(dimension: &Dimension, serializer: S) -> Result<S::Ok, S::Error> {
-    match dimension {
-        Dimension::Fixed(number) => DimensionDocument::Number(*number),
-        Dimension::Auto => DimensionDocument::Word("auto".into()),
-    }
-    .serialize(serializer)
-}
-
-fn read_dimension<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Dimension, D::Error> {
-    let expected = "dimension is a whole number, or auto";
-    match DimensionDocument::deserialize(deserializer).map_err(|_| D::Error::custom(expected))? {
-        DimensionDocument::Number(number) => Ok(Dimension::Fixed(number)),
-        DimensionDocument::Word(word) if word == "auto" => Ok(Dimension::Auto),
-        DimensionDocument::Word(_) => Err(D::Error::custom(expected)),
-    }
-}
-
-impl From<&ObjectOptions> for ObjectDocument {
+impl From<&ObjectOptions> for KeptObjectOptions {
     fn from(options: &ObjectOptions) -> Self {
         Self {
             width_px: options.width_px,
             height_px: options.height_px,
             resize: options.resize.into(),
             segment: options.segment,
-            smoothing: options.smoothing,
-            dimension: options.dimension,
-            stages: options.stages.into(),
-            search: options.search.into(),
-            distance: options.distance.into(),
-            accept: options.accept,
-        }
-    }
-}
-
-/// What is absent in a kept document: the default of the release that added the option.
-impl Default for ObjectDocument {
-    fn default() -> Self {
-        Self::from(&ObjectOptions::default())
-    }
-}
-
-impl From<ObjectDocument> for ObjectOptions {
-    fn from(document: ObjectDocument) -> Self {
-        Self {
-            width_px: document.width_px,
-            height_px: document.height_px,
-            resize: document.resize.into(),
-            segment: document.segment,
-            smoothing: document.smoothing,
-            dimension: document.dimension,
-            stages: document.stages.into(),
-            search: document.search.into(),
-            distance: document.distance.into(),
-            accept: document.accept,
+            rest: ObjectOptionsDocument {
+                width_px: None,
+                height_px: None,
+                resize: None,
+                segment: None,
+                ..options.clone().into()
+            },
         }
     }
 }

@@ -1,14 +1,17 @@
-//! What the training of a landmark database tells of itself.
+//! The report of the training of a landmark database.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::ReportTimings;
+use super::TrainingTimings;
 use landmarkd_core::recognition::landmarks::{Colour, Reliability, ReliabilityBin, TrainingReport};
 
-/// What a training told of itself. Fields that later releases add are optional here.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// What the training of a landmark database told of itself.
+// Members that later releases add are optional.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LandmarkReportBody)]
 pub struct LandmarkReport {
-    /// Variance along each direction, descending, all of them.
+    /// Variance along each direction of the signatures' space, descending, all of them.
     pub spectrum: Vec<f64>,
     /// Part of the variance that the kept dimensions hold.
     pub energy_kept: f64,
@@ -16,43 +19,71 @@ pub struct LandmarkReport {
     pub dimension: u64,
     /// Components of a signature.
     pub signature_length: u64,
-    /// The planes that signatures were taken from: `gray` or `opponent`.
+    /// The planes that signatures were taken from.
+    #[schema(example = "opponent")]
     pub colour: String,
-    /// Exemplars in which nothing drew attention.
+    /// Exemplars in which nothing drew attention: they can't be recognised.
     pub exemplars_without_points: Vec<String>,
-    /// What rehearsals told of answers; none where they allowed no calibration, or none were done.
+    /// How far answers can be believed; null, with a word in `warnings`, if the exemplars don't tell, and for versions of
+    /// earlier releases.
+    #[schema(value_type = Option<ReliabilityReport>)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reliability: Option<ReliabilityReport>,
-    /// `not_calibrated`: no rehearsal was answered rightly.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
-    /// Not in an artifact: the same inputs give the same file.
+    pub reliability: Option<Option<ReliabilityReport>>,
+    /// What the training has to say: `not_calibrated` if no exemplar was recognised when it was seen otherwise, so that
+    /// answers have no confidence.
+    #[schema(value_type = Vec<String>, required = true)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub timings_ms: Option<ReportTimings>,
+    pub warnings: Option<Vec<String>>,
+    /// Where it was trained here: how long that took.
+    #[schema(value_type = Option<TrainingTimings>)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timings_ms: Option<Option<TrainingTimings>>,
 }
 
-/// See [`Reliability`]; the threshold is that of the version.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// What the version answered when its exemplars were shown turned, moved, on other ground and partly hidden: as they
+/// are, and again with all of their label left out, when nothing should be recognised.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ReliabilityBody)]
 pub struct ReliabilityReport {
+    /// Frames that showed something known.
     pub known: u64,
+    /// Frames that showed nothing known.
     pub unknown: u64,
+    /// Part of the known ones that were decided rightly.
     pub known_named: f64,
+    /// Part of the known ones that were decided wrongly.
     pub known_misnamed: f64,
+    /// Part of the unknown ones whose decision was null.
     pub unknown_refused: f64,
+    /// Of the answers of about one confidence, how many were right. Each answer's confidence is of a curve fitted
+    /// without it.
     pub curve: Vec<ReliabilityBinReport>,
+    /// Below this confidence the decision is null.
     pub threshold: f64,
 }
 
-/// See [`ReliabilityBin`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Answers of about the same confidence.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ReliabilityBinBody)]
 pub struct ReliabilityBinReport {
+    /// Their mean confidence.
     pub confidence: f64,
+    // How many there are.
     pub answers: u64,
+    /// Part of them that was right.
     pub right: f64,
 }
 
+impl LandmarkReport {
+    /// Makes every member present, as answers have them.
+    pub(super) fn complete(&mut self) {
+        self.reliability.get_or_insert_default();
+        self.warnings.get_or_insert_default();
+    }
+}
+
 impl ReliabilityReport {
-    /// What rehearsals told of answers at this threshold.
+    /// The reliability of answers, with the confidence below which the version decides nothing.
     pub fn of(reliability: &Reliability, threshold: f64) -> Self {
         let bin = |bin: &ReliabilityBin| ReliabilityBinReport {
             confidence: bin.confidence,
@@ -71,6 +102,7 @@ impl ReliabilityReport {
     }
 }
 
+/// Without what is known after calibration only.
 impl From<&TrainingReport> for LandmarkReport {
     fn from(report: &TrainingReport) -> Self {
         Self {
@@ -86,7 +118,7 @@ impl From<&TrainingReport> for LandmarkReport {
             .into(),
             exemplars_without_points: report.exemplars_without_points.clone(),
             reliability: None,
-            warnings: Vec::new(),
+            warnings: None,
             timings_ms: None,
         }
     }

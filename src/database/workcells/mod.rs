@@ -4,13 +4,15 @@ mod document;
 
 use jiff::Timestamp;
 
-pub use document::UnreadableWorkcell;
+pub use document::{
+    CorrespondenceDocument, LocalCameraDocument, MappingKindWord, UnreadableWorkcell, WorkcellDocument,
+};
 
 use super::{DatabaseError, Databases, Kind, Name};
 use crate::store::{Actor, WorkcellRow};
 use landmarkd_core::workcell::{Correspondence, Workcell};
 
-/// What is said of a workcell.
+/// A workcell, as it is described.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkcellSetup {
     /// The database that names the parts, of kind objects.
@@ -19,15 +21,20 @@ pub struct WorkcellSetup {
     pub calibration: Option<Name>,
     /// What the mapping is fitted to.
     pub correspondences: Vec<Correspondence>,
+    /// The cameras and the robot.
     pub workcell: Workcell,
 }
 
 /// A workcell under its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeptWorkcell {
+    /// Its name.
     pub name: String,
+    /// Its description.
     pub setup: WorkcellSetup,
+    /// When it was described first.
     pub created_at: Timestamp,
+    /// When it was described last.
     pub updated_at: Timestamp,
 }
 
@@ -63,7 +70,7 @@ impl Databases {
         if let Some(calibration) = &setup.calibration {
             self.rig(calibration).await?;
         }
-        let document = document::text(setup);
+        let document = WorkcellDocument::from(setup).to_text();
         let (row, created) = self.catalogue.put_workcell(name.as_str(), &document, by).await?;
         // As it is read from now on.
         Ok((row.try_into()?, created))

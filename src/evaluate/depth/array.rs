@@ -5,7 +5,9 @@ use serde_json::Value;
 /// A plane of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
+    /// Columns.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     /// Row-major.
     pub values: Vec<f64>,

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::evaluate::Rate;
+use landmarkd_core::statistics::median;
 
 /// A true depth off by more than this share of the range counts as off.
 const OFF_SHARE: f64 = 0.05;
@@ -14,13 +15,17 @@ const OFF_SHARE: f64 = 0.05;
 pub struct DepthErrors {
     /// Measured pixels, of those with a known depth.
     pub measured: Rate,
+    /// Root mean square.
     pub rms_mm: f64,
     /// Of the working range, as all percentages here.
     pub rms_percent: f64,
     /// Mean of measured − true.
     pub bias_mm: f64,
+    /// The same of the range.
     pub bias_percent: f64,
+    /// Median of the errors' sizes.
     pub median_abs_mm: f64,
+    /// The same of the range.
     pub median_abs_percent: f64,
     /// Pixels off by more than 5 % of the range.
     pub off: Rate,
@@ -38,6 +43,7 @@ pub struct DepthErrors {
 pub struct DepthPair {
     /// NaN if there is none.
     pub measured_mm: f64,
+    /// The true depth.
     pub true_mm: f64,
     /// Expected standard deviation of the measured depth; NaN if there is none.
     pub sigma_mm: f64,
@@ -56,8 +62,7 @@ impl DepthErrors {
         let rms_mm = root_mean_square(errors.iter().copied()).unwrap_or_default();
         let bias_mm = mean(&errors);
         let mut absolute: Vec<f64> = errors.iter().map(|error| error.abs()).collect();
-        absolute.sort_by(f64::total_cmp);
-        let median_abs_mm = absolute[absolute.len() / 2];
+        let median_abs_mm = median(&mut absolute, f64::total_cmp)?;
         let [measured, truth] = [|pixel: &DepthPair| pixel.measured_mm, |pixel: &DepthPair| pixel.true_mm]
             .map(|of| known.iter().map(of).collect::<Vec<f64>>());
         let over_sigma = known.iter().zip(&errors).map(|(pixel, error)| error / pixel.sigma_mm);
@@ -80,15 +85,15 @@ impl DepthErrors {
 impl fmt::Display for DepthErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let both = |mm: f64, percent: f64| format!("{mm:.3} mm ({percent:.2} % of the range)");
-        let told =
+        let number =
             |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.4}"));
         writeln!(f, "known and measured     {}", self.measured)?;
         writeln!(f, "RMS error              {}", both(self.rms_mm, self.rms_percent))?;
         writeln!(f, "bias                   {}", both(self.bias_mm, self.bias_percent))?;
         writeln!(f, "median absolute error  {}", both(self.median_abs_mm, self.median_abs_percent))?;
         writeln!(f, "off by over 5 %        {}", self.off)?;
-        writeln!(f, "correlation            {}, of ranks {}", told(self.pearson), told(self.spearman))?;
-        writeln!(f, "RMS of error / sigma   {}", told(self.rms_over_sigma))
+        writeln!(f, "correlation            {}, of ranks {}", number(self.pearson), number(self.spearman))?;
+        writeln!(f, "RMS of error / sigma   {}", number(self.rms_over_sigma))
     }
 }
 

@@ -16,9 +16,11 @@ use clap::Args;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::figures::ms_since;
+use super::figures::{ms_since, timed};
+use crate::http::problem::FieldError;
 use landmarkd_core::depth::{
-    Calibration, DepthMap, EstimateError, Estimator, EstimatorError, Fault, Flag, FocalPair, PairError, Stage,
+    Calibration, DepthMap, DepthOptions, EstimateError, Estimator, EstimatorError, Flag, FocalPair, Optics,
+    PairError, Stage,
 };
 use landmarkd_core::imaging::encode::png_distances;
 use landmarkd_core::imaging::false_colour::png_turbo;
@@ -56,7 +58,7 @@ pub struct EvaluateDepthArgs {
     /// An option, as in POST /v1/depth-maps: --option method=stm (may be repeated)
     #[arg(long = "option", value_name = "NAME=VALUE")]
     pub options: Vec<String>,
-    /// Measure this often; the shortest times are told
+    /// Measure this often; the shortest times are printed
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
     /// Write depth.png, preview.png, depth.npy and cloud.ply to this folder
@@ -70,42 +72,109 @@ pub struct EvaluateDepthArgs {
 /// Why no depth could be evaluated.
 #[derive(Debug, Error)]
 pub enum DepthEvaluationError {
+    /// A file can't be read.
     #[error("can't read {}", .path.display())]
-    Read { path: PathBuf, source: io::Error },
+    Read {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// A file can't be written.
     #[error("can't write {}", .path.display())]
-    Write { path: PathBuf, source: io::Error },
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// A file is no picture, or too large.
     #[error("{} can't be taken as a picture", .path.display())]
-    Picture { path: PathBuf, source: DecodeError },
+    Picture {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: DecodeError,
+    },
+    /// The optics are no JSON object.
     #[error("the optics can't be read")]
-    OpticsFile { source: serde_json::Error },
-    #[error("of {names}, one must be given, not both and not none")]
-    OneOf { names: &'static str },
-    #[error("the optics can't be: {}", .faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
-    Optics { faults: Vec<Fault> },
-    #[error("--option {given:?} can't be: {expected} is expected")]
-    Option { given: String, expected: &'static str },
+    OpticsFile {
+        /// The cause.
+        source: serde_json::Error,
+    },
+    /// The optics miss members or are impossible.
+    #[error("the optics can't be: {}", listed(.faults))]
+    Optics {
+        /// Each member at fault.
+        faults: Vec<FieldError>,
+    },
+    /// An option without `=`.
+    #[error("--option {given:?} is not NAME=VALUE")]
+    NotAnOption {
+        /// The text given.
+        given: String,
+    },
+    /// Options that are unknown or impossible.
+    #[error("the options can't be: {}", listed(.faults))]
+    Options {
+        /// Each member at fault.
+        faults: Vec<FieldError>,
+    },
+    /// The pictures don't make a pair.
     #[error("the pictures are no focal pair")]
-    Pair { source: PairError },
+    Pair {
+        /// The cause.
+        source: PairError,
+    },
+    /// The options need what there isn't, such as a sweep.
     #[error("the options can't be used")]
-    Estimator { source: EstimatorError },
+    Estimator {
+        /// The cause.
+        source: EstimatorError,
+    },
+    /// The pair can't be measured.
     #[error("the pair can't be measured")]
-    Estimate { source: EstimateError },
+    Estimate {
+        /// The cause.
+        source: EstimateError,
+    },
+    /// The truth is no array that can be read.
     #[error("{} is no array of two axes of 32- or 64-bit floating-point numbers in row order", .path.display())]
-    Array { path: PathBuf },
+    Array {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// The truth or its mask has another size than the pictures.
     #[error("{} is {width_px}×{height_px}, not of the pictures' size", .path.display())]
-    OtherSize { path: PathBuf, width_px: usize, height_px: usize },
+    OtherSize {
+        /// The file or folder.
+        path: PathBuf,
+        /// Its width.
+        width_px: usize,
+        /// Its height.
+        height_px: usize,
+    },
+}
+
+fn listed(faults: &[FieldError]) -> String {
+    let faults = faults.iter().map(|FieldError { pointer, detail }| format!("{pointer} {detail}"));
+    faults.collect::<Vec<_>>().join("; ")
 }
 
 /// The shortest times of several runs, in milliseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DepthTimes {
     /// Making filters ready, once for a rig.
     pub design: f64,
     /// Both pictures.
     pub decode: f64,
+    /// Finding the shift between the pictures.
     pub register: f64,
+    /// Matching their brightness.
     pub r#match: f64,
+    /// Estimating the depths.
     pub estimate: f64,
+    /// Judging which depths hold.
     pub judge: f64,
     /// All that follows decoding.
     pub total: f64,
@@ -116,15 +185,20 @@ pub struct DepthTimes {
 pub struct TruthFit {
     /// Measured mm a unit of the truth.
     pub scale_mm: f64,
+    /// Measured mm at 0 of the truth.
     pub offset_mm: f64,
 }
 
 /// What a depth map is like, and how far it is from the truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthEvaluation {
+    /// Width of the pictures.
     pub width_px: usize,
+    /// Height of the pictures.
     pub height_px: usize,
+    /// The distance that the near picture is focused at.
     pub near_focus_mm: f64,
+    /// The distance that the far picture is focused at.
     pub far_focus_mm: f64,
     /// The largest blur within the working range.
     pub largest_blur_px: f64,
@@ -132,13 +206,17 @@ pub struct DepthEvaluation {
     pub coverage: f64,
     /// Least, middle and largest depth; none if no pixel has one.
     pub depth_mm: Option<[f64; 3]>,
-    /// Noise of a picture in grey levels of 255; none if the method can't tell.
+    /// Noise of a picture in gray levels of 255; none if the method doesn't estimate it.
     pub noise_sigma: Option<f64>,
+    /// How far the far picture was moved back, x and y.
     pub shift_px: [f64; 2],
+    /// What its brightness was multiplied by.
     pub gain: f64,
     /// Pixels without a depth, by the reason.
     pub flags: BTreeMap<&'static str, u64>,
+    /// Words of the HTTP contract.
     pub warnings: Vec<&'static str>,
+    /// The shortest of all runs.
     pub times_ms: DepthTimes,
     /// With `--fit-truth`: what was fitted before errors were taken.
     pub truth_fit: Option<TruthFit>,
@@ -146,57 +224,20 @@ pub struct DepthEvaluation {
     pub errors: Option<DepthErrors>,
 }
 
-/// Measure a pair as the arguments say.
+/// Measures a pair as the arguments say.
 ///
 /// # Errors
 /// [`DepthEvaluationError`].
 pub fn evaluate_depth(args: &EvaluateDepthArgs) -> Result<DepthEvaluation, DepthEvaluationError> {
     let optics = rig::optics_of(&read(&args.optics)?)?;
     let options = rig::options_with(&args.options)?;
-    let files = [&args.near, &args.far].map(|path| read(path).map(|bytes| (path.as_path(), bytes)));
-    let [near, far] = files;
-    let (near, far) = (near?, far?);
-
-    let mut times: Option<DepthTimes> = None;
-    let mut measured = None;
-    for _ in 0..args.repeat {
-        let started = Instant::now();
-        let estimator = Estimator::new(&Calibration::of(optics), &options)
-            .map_err(|source| DepthEvaluationError::Estimator { source })?;
-        let design = ms_since(started);
-        let started = Instant::now();
-        let pair = pair_of(&near, &far)?;
-        let decode = ms_since(started);
-        let (started, mut laps) = (Instant::now(), Vec::new());
-        let map = estimator
-            .estimate(&pair, &mut |stage| laps.push((stage, ms_since(started))))
-            .map_err(|source| DepthEvaluationError::Estimate { source })?;
-        let mut run = DepthTimes {
-            design,
-            decode,
-            register: 0.0,
-            r#match: 0.0,
-            estimate: 0.0,
-            judge: 0.0,
-            total: ms_since(started),
-        };
-        let mut before = 0.0;
-        for (stage, at) in laps {
-            let took = match stage {
-                Stage::Register => &mut run.register,
-                Stage::Match => &mut run.r#match,
-                Stage::Estimate => &mut run.estimate,
-                Stage::Judge => &mut run.judge,
-            };
-            *took = at - before;
-            before = at;
-        }
-        times = Some(times.map_or(run, |best| best.shorter(&run)));
-        measured = Some((map, pair));
+    let files = [(args.near.as_path(), read(&args.near)?), (args.far.as_path(), read(&args.far)?)];
+    let mut run = Run::of(&files, optics, &options)?;
+    for _ in 1..args.repeat {
+        let again = Run::of(&files, optics, &options)?;
+        run = Run { times: run.times.shorter(&again.times), ..again };
     }
-    let (Some(times_ms), Some((map, pair))) = (times, measured) else {
-        unreachable!("a run at least is made");
-    };
+    let Run { times, map, pair } = run;
 
     let truth = args.truth.as_ref().map(|path| truth_of(path, args, &map)).transpose()?;
     let (truth_fit, errors) = match truth {
@@ -220,13 +261,53 @@ pub fn evaluate_depth(args: &EvaluateDepthArgs) -> Result<DepthEvaluation, Depth
         gain: summary.gain,
         flags: Flag::ALL.iter().map(|flag| flag.word()).zip(summary.flag_counts).collect(),
         warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
-        times_ms,
+        times_ms: times,
         truth_fit,
         errors,
     })
 }
 
+/// A pair decoded and measured once.
+struct Run {
+    times: DepthTimes,
+    map: DepthMap,
+    pair: FocalPair,
+}
+
+impl Run {
+    /// Of the near and the far file: paths and bytes.
+    fn of(
+        [near, far]: &[(&Path, Vec<u8>); 2],
+        optics: Optics,
+        options: &DepthOptions,
+    ) -> Result<Run, DepthEvaluationError> {
+        let mut times = DepthTimes::default();
+        let estimator = timed(&mut times.design, || Estimator::new(&Calibration::of(optics), options))
+            .map_err(|source| DepthEvaluationError::Estimator { source })?;
+        let pair = timed(&mut times.decode, || pair_of(near, far))?;
+        let (started, mut before) = (Instant::now(), 0.0);
+        let mut finished = |stage| {
+            let (now, time) = (ms_since(started), times.of_stage(stage));
+            *time = now - std::mem::replace(&mut before, now);
+        };
+        let map = estimator
+            .estimate(&pair, &mut finished)
+            .map_err(|source| DepthEvaluationError::Estimate { source })?;
+        times.total = ms_since(started);
+        Ok(Run { times, map, pair })
+    }
+}
+
 impl DepthTimes {
+    fn of_stage(&mut self, stage: Stage) -> &mut f64 {
+        match stage {
+            Stage::Register => &mut self.register,
+            Stage::Match => &mut self.r#match,
+            Stage::Estimate => &mut self.estimate,
+            Stage::Map => &mut self.judge,
+        }
+    }
+
     /// Of each stage the shorter time.
     fn shorter(&self, other: &DepthTimes) -> DepthTimes {
         DepthTimes {
@@ -343,51 +424,45 @@ fn write_files(folder: &Path, map: &DepthMap, pair: &FocalPair) -> Result<(), De
     Ok(())
 }
 
+/// A line of the table: its name in 23 columns, and what there is to print.
+fn row(f: &mut fmt::Formatter<'_>, name: &str, value: fmt::Arguments<'_>) -> fmt::Result {
+    writeln!(f, "{name:<23}{value}")
+}
+
 impl fmt::Display for DepthEvaluation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (near_mm, far_mm) = (self.near_focus_mm, self.far_focus_mm);
         let range_mm = far_mm - near_mm;
-        writeln!(f, "pictures               {}×{} px", self.width_px, self.height_px)?;
-        writeln!(f, "focused at             {near_mm:.1} and {far_mm:.1} mm, a range of {range_mm:.1} mm")?;
-        writeln!(f, "largest blur           {:.2} px", self.largest_blur_px)?;
-        writeln!(f, "coverage               {:.1} %", 100.0 * self.coverage)?;
+        let focus = format_args!("{near_mm:.1} and {far_mm:.1} mm, a range of {range_mm:.1} mm");
+        row(f, "pictures", format_args!("{}×{} px", self.width_px, self.height_px))?;
+        row(f, "focused at", focus)?;
+        row(f, "largest blur", format_args!("{:.2} px", self.largest_blur_px))?;
+        row(f, "coverage", format_args!("{:.1} %", 100.0 * self.coverage))?;
         if let Some([least, middle, largest]) = self.depth_mm {
-            writeln!(f, "depth                  {least:.1} to {largest:.1} mm, median {middle:.1} mm")?;
+            row(f, "depth", format_args!("{least:.1} to {largest:.1} mm, median {middle:.1} mm"))?;
         }
         if let Some(noise) = self.noise_sigma {
-            writeln!(f, "noise                  {noise:.2} grey levels")?;
+            row(f, "noise", format_args!("{noise:.2} grey levels"))?;
         }
-        let [x, y] = self.shift_px;
-        writeln!(
-            f,
-            "far picture            moved back by ({x:.3}, {y:.3}) px, multiplied by {:.4}",
-            self.gain
-        )?;
-        let listed = |words: Vec<String>| if words.is_empty() { "none".to_owned() } else { words.join(", ") };
+        let ([x, y], gain) = (self.shift_px, self.gain);
+        row(f, "far picture", format_args!("moved back by ({x:.3}, {y:.3}) px, multiplied by {gain:.4}"))?;
+        let words = |words: Vec<String>| if words.is_empty() { "none".to_owned() } else { words.join(", ") };
         let flags = self.flags.iter().filter(|(_, count)| **count > 0);
-        let flags = flags.map(|(flag, count)| format!("{flag} {count}")).collect();
-        writeln!(f, "flagged pixels         {}", listed(flags))?;
-        writeln!(
-            f,
-            "warnings               {}",
-            listed(self.warnings.iter().map(|w| (*w).to_owned()).collect())
-        )?;
+        let flags = words(flags.map(|(flag, count)| format!("{flag} {count}")).collect());
+        row(f, "flagged pixels", format_args!("{flags}"))?;
+        let warnings = words(self.warnings.iter().map(|warning| (*warning).to_owned()).collect());
+        row(f, "warnings", format_args!("{warnings}"))?;
         let DepthTimes { design, decode, register, r#match, estimate, judge, total } = self.times_ms;
-        writeln!(
-            f,
-            "ms                     {total:.1} after {decode:.1} of decoding and {design:.1} of design, once"
-        )?;
-        writeln!(
-            f,
-            "  of these             register {register:.1}, match {match:.1}, estimate {estimate:.1}, judge {judge:.1}"
-        )?;
+        let once = format_args!("{total:.1} after {decode:.1} of decoding and {design:.1} of design, once");
+        row(f, "ms", once)?;
+        let stages = format_args!(
+            "register {register:.1}, match {match:.1}, estimate {estimate:.1}, judge {judge:.1}"
+        );
+        row(f, "  of these", stages)?;
         if let Some(TruthFit { scale_mm, offset_mm }) = self.truth_fit {
-            writeln!(f, "truth fitted           {scale_mm:.4} mm a unit, {offset_mm:.2} mm at 0")?;
+            row(f, "truth fitted", format_args!("{scale_mm:.4} mm a unit, {offset_mm:.2} mm at 0"))?;
         }
-        match &self.errors {
-            Some(errors) => errors.fmt(f),
-            None => Ok(()),
-        }
+        self.errors.as_ref().map_or(Ok(()), |errors| errors.fmt(f))
     }
 }
 

@@ -1,97 +1,44 @@
-//! The optics and the options of a depth map as a user writes them.
+//! The optics and the options of a depth map as a user writes them: with the names and values of the HTTP contract.
 
-use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use super::DepthEvaluationError;
-use landmarkd_core::depth::{Aperture, DepthOptions, Median, Method, NearSensor, Optics, OpticsSpec, Window};
-
-/// An optics in a file, with the names of the HTTP contract.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OpticsFile {
-    focal_length_mm: f64,
-    aperture_mm: Option<f64>,
-    f_number: Option<f64>,
-    near_plane_mm: Option<f64>,
-    near_focus_mm: Option<f64>,
-    plane_separation_mm: f64,
-    pixel_pitch_um: f64,
-    telecentric: bool,
-    principal_point_px: Option<[f64; 2]>,
-}
+use crate::evaluate::options::read_pair;
+use crate::http::optics::OpticsBody;
+use crate::http::options::DepthOptionsBody;
+use landmarkd_core::depth::{DepthOptions, Optics};
 
 /// The optics that a JSON object describes.
 ///
 /// # Errors
 /// One that can't be read, or can't be.
 pub(super) fn optics_of(json: &[u8]) -> Result<Optics, DepthEvaluationError> {
-    let file: OpticsFile =
+    let members: Map<String, Value> =
         serde_json::from_slice(json).map_err(|source| DepthEvaluationError::OpticsFile { source })?;
-    let one_of = |names| DepthEvaluationError::OneOf { names };
-    let spec = OpticsSpec {
-        focal_length_mm: file.focal_length_mm,
-        aperture: match (file.aperture_mm, file.f_number) {
-            (Some(mm), None) => Aperture::DiameterMm(mm),
-            (None, Some(number)) => Aperture::FNumber(number),
-            _ => return Err(one_of("aperture_mm and f_number")),
-        },
-        near_sensor: match (file.near_plane_mm, file.near_focus_mm) {
-            (Some(mm), None) => NearSensor::PlaneMm(mm),
-            (None, Some(mm)) => NearSensor::FocusMm(mm),
-            _ => return Err(one_of("near_plane_mm and near_focus_mm")),
-        },
-        plane_separation_mm: file.plane_separation_mm,
-        pixel_pitch_um: file.pixel_pitch_um,
-        telecentric: file.telecentric,
-        principal_point_px: file.principal_point_px,
-    };
-    Optics::new(&spec).map_err(|faults| DepthEvaluationError::Optics { faults })
+    OpticsBody::read("", &members).map_err(|faults| DepthEvaluationError::Optics { faults })
 }
 
-/// The default options with the given `NAME=VALUE` laid over them.
+/// The default options changed by the given `NAME=VALUE`; a value is JSON, or else a word.
 ///
 /// # Errors
 /// An option that there isn't, or a value that it can't have.
 pub(super) fn options_with(given: &[String]) -> Result<DepthOptions, DepthEvaluationError> {
-    let mut options = DepthOptions::default();
-    let switch = |value: &str| match value {
-        "auto" => Some(true),
-        "none" => Some(false),
-        _ => None,
-    };
+    let mut members = Map::new();
     for pair in given {
-        let wrong = |expected| DepthEvaluationError::Option { given: pair.clone(), expected };
-        let (name, value) = pair.split_once('=').ok_or_else(|| wrong("NAME=VALUE"))?;
-        match name {
-            "method" => {
-                options.method = match value {
-                    "gram" => Method::Gram,
-                    "stm" => Method::Stm,
-                    "laplacian" => Method::Laplacian,
-                    _ => return Err(wrong("gram, stm or laplacian")),
-                }
-            }
-            "window" if value == "auto" => options.window = Window::Auto,
-            "window" => options.window = Window::Px(value.parse().map_err(|_| wrong("auto or pixels"))?),
-            "align" => options.align = switch(value).ok_or_else(|| wrong("auto or none"))?,
-            "photometric" => options.match_brightness = switch(value).ok_or_else(|| wrong("auto or none"))?,
-            "median" => {
-                options.median = match value {
-                    "0" => Median::None,
-                    "3" => Median::Three,
-                    "5" => Median::Five,
-                    _ => return Err(wrong("0, 3 or 5")),
-                }
-            }
-            _ => return Err(wrong("one of method, window, align, photometric, median")),
-        }
+        let (option, value) =
+            read_pair(pair).ok_or_else(|| DepthEvaluationError::NotAnOption { given: pair.clone() })?;
+        members.insert(option.to_owned(), value);
     }
-    Ok(options)
+    match DepthOptionsBody::read(&members) {
+        (options, faults) if faults.is_empty() => Ok(options),
+        (_, faults) => Err(DepthEvaluationError::Options { faults }),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use landmarkd_core::depth::{Median, Method, Window};
 
     #[test]
     fn an_optics_is_read_by_the_names_of_the_contract() {
@@ -100,14 +47,14 @@ mod tests {
         assert!((optics_of(usual.as_bytes()).unwrap().near_focus_mm() - 500.0).abs() < 1e-6);
         let refused =
             |from: &str, to: &str| optics_of(usual.replace(from, to).as_bytes()).unwrap_err().to_string();
-        assert!(refused("\"near_focus_mm\": 500,", "").contains("near_plane_mm and near_focus_mm"));
+        assert!(refused("\"near_focus_mm\": 500,", "").contains("near_plane_mm or near_focus_mm"));
         assert!(refused("\"f_number\": 8", "\"f_number\": 8, \"aperture_mm\": 4").contains("aperture_mm"));
         assert!(refused("\"near_focus_mm\": 500", "\"near_focus_mm\": 30").contains("near_focus_mm"));
-        assert!(refused("telecentric", "telecentrical").contains("optics"));
+        assert!(refused("telecentric", "telecentrical").contains("telecentrical"));
     }
 
     #[test]
-    fn options_are_laid_over_the_defaults_and_a_wrong_one_is_named() {
+    fn options_change_the_defaults_and_a_wrong_one_is_named() {
         let with =
             |pairs: &[&str]| options_with(&pairs.iter().map(|pair| (*pair).into()).collect::<Vec<_>>());
         assert_eq!(with(&[]).unwrap(), DepthOptions::default());
@@ -122,7 +69,8 @@ mod tests {
         };
         assert_eq!(options, expected);
         for wrong in ["method=stereo", "window=wide", "align=yes", "median=4", "colour=1", "gram"] {
-            assert!(with(&[wrong]).unwrap_err().to_string().contains(wrong), "{wrong}");
+            let option = wrong.split('=').next().unwrap();
+            assert!(with(&[wrong]).unwrap_err().to_string().contains(option), "{wrong}");
         }
     }
 }

@@ -4,21 +4,19 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::{AutoWord, readable, words};
+use super::read_members;
+use crate::database::DepthMethodWord;
+use crate::database::words::AutoWord;
 use crate::http::problem::FieldError;
-use landmarkd_core::depth::{self, DepthOptions, Median, Window};
-
-words!(
-    /// What depth is read from: `gram`, the depth that explains both pictures best; `stm`, a closed form, the
-    /// cheapest; `laplacian`, the paper's, which needs a calibration with a sweep by this method.
-    DepthMethodWord, depth::Method, { Gram, Laplacian, Stm }
-);
+use landmarkd_core::depth::{DepthOptions, Median, Window};
 
 /// Done by itself, or not at all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AutoOrNoneWord {
+    /// Found from the pictures.
     Auto,
+    /// Not at all.
     None,
 }
 
@@ -26,7 +24,9 @@ pub enum AutoOrNoneWord {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged, expecting = "expected a number of pixels or \"auto\"")]
 pub enum WindowBody {
+    // In pixels.
     Number(f64),
+    // By the texture.
     Word(AutoWord),
 }
 
@@ -61,9 +61,9 @@ impl From<Window> for WindowBody {
 }
 
 impl DepthOptionsBody {
-    /// The options that the members make, and everything that is wrong with them.
+    /// Reads the options from the members of the object `/options`, and finds everything that is wrong with them.
     pub fn read(body: &Map<String, Value>) -> (DepthOptions, Vec<FieldError>) {
-        let (body, mut faults) = readable::<Self>("/options", body);
+        let (body, mut faults) = read_members::<Self>("/options", body);
         let mut options = DepthOptions::default();
         if let Some(method) = body.method {
             options.method = method.into();

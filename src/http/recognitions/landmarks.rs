@@ -1,14 +1,15 @@
-//! What a database of kind `landmarks` answers: votes, where they say that an exemplar lies, and the points that gave
+//! The answer of a database of kind `landmarks`: votes with the placements of their exemplars, and the points that gave
 //! them.
-
-use std::time::Duration;
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted, ms};
+use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted};
+use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
-use landmarkd_core::recognition::landmarks::{Instance, Landmarks, Placed, PointVote, Stage, annotate};
+use landmarkd_core::recognition::landmarks::{
+    Instance, Landmarks, PointVote, Stage, VerifiedPlacement, annotate,
+};
 
 /// What speaks for the answer of a landmark database.
 #[derive(Debug, Serialize, ToSchema)]
@@ -71,9 +72,9 @@ pub struct InstanceBody {
 }
 
 impl PlacementBody {
-    fn of(placed: &Placed, model: &Landmarks) -> Self {
-        let exemplar = &model.exemplars()[placed.exemplar];
-        let placement = &placed.placement;
+    fn of(verified: &VerifiedPlacement, model: &Landmarks) -> Self {
+        let exemplar = &model.exemplars()[verified.exemplar];
+        let placement = &verified.placement;
         // -π itself, and what rounds to -180, is the same turn as 180
         let degrees = placement.rotation_rad.to_degrees();
         Self {
@@ -81,8 +82,8 @@ impl PlacementBody {
             y_px: placement.y_px,
             rotation_deg: if degrees <= -180.0 { 180.0 } else { degrees },
             scale: placement.scale,
-            inliers: placed.inliers as u64,
-            agreement: placed.agreement,
+            inliers: verified.inliers as u64,
+            agreement: verified.agreement,
             outline_px: placement.outline_px(exemplar.width_px, exemplar.height_px),
             exemplar: exemplar.id.clone(),
         }
@@ -119,28 +120,24 @@ pub struct LandmarkStages {
     pub verification: f64,
 }
 
-fn place(stage: Stage) -> usize {
+const STAGES: [&str; 5] = ["attention", "signature", "search", "vote", "verification"];
+
+fn word(stage: Stage) -> &'static str {
     match stage {
-        Stage::Attention => 0,
-        Stage::Signature => 1,
-        Stage::Search => 2,
-        Stage::Vote => 3,
-        Stage::Verification => 4,
+        Stage::Attention => "attention",
+        Stage::Signature => "signature",
+        Stage::Search => "search",
+        Stage::Vote => "vote",
+        Stage::Verification => "verification",
     }
 }
 
-/// What the model says of the frame; `lap` gives the time since it was last asked.
-pub(super) fn answer(
-    frame: &Frame,
-    model: &Landmarks,
-    wanted: Wanted,
-    mut lap: impl FnMut() -> Duration,
-) -> Answer {
-    let stages = ["attention", "signature", "search", "vote", "verification"];
-    let mut clocked = stages.map(|stage| (stage, Duration::ZERO));
-    // points are asked in batches: a stage may come several times
-    let recognition = model.recognise(frame, |stage| clocked[place(stage)].1 += lap());
-    let [attention, signature, search, vote, verification] = clocked.map(|(_, took)| ms(took));
+/// The model's answer to the frame.
+pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &mut StageClock) -> Answer {
+    clock.expect(&STAGES);
+    // Points are asked in batches: a stage may come several times.
+    let recognition = model.recognise(frame, |stage| clock.end(word(stage)));
+    let [attention, signature, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {
@@ -158,12 +155,12 @@ pub(super) fn answer(
         weight: vote.weight,
         share: vote.share,
         points: vote.points as u64,
-        placement: vote.placement.as_ref().map(|placed| PlacementBody::of(placed, model)),
+        placement: vote.placement.as_ref().map(|verified| PlacementBody::of(verified, model)),
     });
     let instance = |instance: &Instance| InstanceBody {
         label: instance.label.clone(),
         confidence: instance.confidence,
-        placement: PlacementBody::of(&instance.placed, model),
+        placement: PlacementBody::of(&instance.verified, model),
     };
     let decision = recognition.decision.as_ref();
     Answer {
@@ -178,7 +175,6 @@ pub(super) fn answer(
             points: wanted.explain.then(|| recognition.points.iter().map(point).collect()),
         }),
         stages: StagesBody::Landmarks(LandmarkStages { attention, signature, search, vote, verification }),
-        clocked: clocked.into(),
         drawn: wanted.drawing.map(|_| {
             let png = annotate(frame, &recognition, model).into_png();
             Drawn { png, distance_from_space: None }

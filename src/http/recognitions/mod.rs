@@ -5,7 +5,7 @@ mod landmarks;
 mod objects;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Request, State};
@@ -16,16 +16,17 @@ use futures_util::stream::FuturesOrdered;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::databases::{DatabasePath, KindWord};
 use super::exemplars::ImageForm;
 use super::extract::{Path, Query};
+use super::paths::DatabasePath;
 use super::problem::{Code, Problem, ProblemBody};
-use super::uploads::{Form, HeaderEcho, OnePicture, Picture, RobotHeader};
+use super::stages::{StageClock, ms};
+use super::uploads::{Form, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
-use crate::database::{FrameHeader, LoadedVersion, Model, Name};
+use crate::database::{Databases, FrameHeader, Kind, LoadedVersion, Model, Name};
 use crate::telemetry::Work;
-use landmarkd_core::imaging::{self, DecodeLimits};
+use landmarkd_core::imaging;
 
 use landmarks::{LandmarkEvidence, LandmarkStages};
 use objects::{ObjectEvidence, ObjectStages};
@@ -56,16 +57,28 @@ const DEFAULT_TOP: usize = 5;
 /// Most labels in `votes` or `candidates`.
 const MAX_TOP: usize = 1000;
 
+impl StagesBody {
+    /// Their sum, in milliseconds.
+    fn total(&self) -> f64 {
+        match self {
+            Self::Landmarks(stages) => {
+                stages.attention + stages.signature + stages.search + stages.vote + stages.verification
+            }
+            Self::Objects(stages) => stages.appearance + stages.universal + stages.object,
+        }
+    }
+}
+
 /// What a frame shows.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RecognitionBody {
     pub database: String,
-    pub kind: KindWord,
+    pub kind: Kind,
     /// The version that answered.
     pub version: i64,
     /// Its digest: the same frame and digest give the same answer.
     pub digest: String,
-    pub header: HeaderEcho,
+    pub header: FrameHeader,
     /// What to act on; null when nothing is recognised, or not for sure enough.
     pub decision: Option<DecisionBody>,
     /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `too_few_points`, `votes_on_background`,
@@ -176,7 +189,7 @@ struct Drawn {
 }
 
 impl Wanted {
-    /// As a query says it, without a drawing.
+    /// As a query has it, without a drawing.
     pub fn of(top: Option<usize>, explain: Option<bool>) -> Result<Self, Problem> {
         let explain = explain.unwrap_or(false);
         match top.unwrap_or(DEFAULT_TOP) {
@@ -186,109 +199,72 @@ impl Wanted {
     }
 }
 
-/// What a model of some kind says of a frame.
+/// The answer of a model of some kind to a frame.
 struct Answer {
     decision: Option<DecisionBody>,
     warnings: Vec<&'static str>,
     evidence: EvidenceBody,
     stages: StagesBody,
-    /// The names of the stages and how long each took.
-    clocked: Vec<(&'static str, Duration)>,
     drawn: Option<Drawn>,
     /// W of every exemplar of landmarks, in the model's order.
     exemplar_weights: Vec<f64>,
 }
 
-/// An answer with the time that went before it.
+/// An answer with the times of its stages.
 pub(super) struct Recognised {
     answer: Answer,
     queue: Duration,
-    decode: Duration,
+    clock: StageClock,
 }
 
-/// Gives the time since it was last asked.
-fn stopwatch() -> impl FnMut() -> Duration {
-    let mut last = Instant::now();
-    move || {
-        let now = Instant::now();
-        now.duration_since(std::mem::replace(&mut last, now))
+/// The version of that number, or the one that answers for that alias, by default `current`.
+///
+/// # Errors
+/// Both are given, or there is no such version.
+pub(super) async fn version_for(
+    databases: &Databases,
+    database: &Name,
+    version: Option<i64>,
+    alias: Option<&Name>,
+) -> Result<Arc<LoadedVersion>, Problem> {
+    match (version, alias) {
+        (Some(_), Some(_)) => Err(Problem::field("#version", "and alias exclude each other: give one")),
+        (Some(version), None) => Ok(databases.version_model(database, version).await?),
+        (None, alias) => Ok(databases.alias_model(database, alias).await?),
     }
 }
 
-/// A time in milliseconds.
-pub(super) fn ms(duration: Duration) -> f64 {
-    duration.as_secs_f64() * 1e3
-}
-
-/// Decode and recognise: runs on a computing thread.
-fn recognise(
-    picture: &Picture,
-    limits: &DecodeLimits,
-    model: &Model,
+/// Decodes and recognises on a computing thread. Calls `add` there with the picture's bytes and W of every exemplar.
+///
+/// # Errors
+/// The picture can't be decoded or isn't of the database's size, or too much waits already.
+pub(super) async fn recognise<T: Send + 'static>(
+    service: &Service,
+    version: &Arc<LoadedVersion>,
+    picture: Picture,
     wanted: Wanted,
-) -> Result<(Answer, Duration), Problem> {
-    let mut lap = stopwatch();
-    let frame = imaging::decode(&picture.bytes, limits)?;
-    let decode = lap();
-    let answer = match model {
-        Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, lap),
-        Model::Objects(model) => objects::answer(&frame, model, wanted, lap)?,
-    };
-    Ok((answer, decode))
-}
-
-impl Service {
-    /// The version of that number, or the one that answers for that alias, by default `current`.
-    ///
-    /// # Errors
-    /// Both are given, or there is no such version.
-    pub(super) async fn version_for(
-        &self,
-        database: &Name,
-        version: Option<i64>,
-        alias: Option<&Name>,
-    ) -> Result<Arc<LoadedVersion>, Problem> {
-        match (version, alias) {
-            (Some(_), Some(_)) => Err(Problem::field("#version", "and alias exclude each other: give one")),
-            (Some(version), None) => Ok(self.databases.version_model(database, version).await?),
-            (None, alias) => Ok(self.databases.alias_model(database, alias).await?),
-        }
-    }
-
-    /// The frame, looked at if there is room to work on it: what must be refused costs as little as can be.
-    ///
-    /// # Errors
-    /// No room, or no picture that is taken.
-    pub(super) fn admitted(&self, frame: OnePicture) -> Result<Picture, Problem> {
-        self.compute.room(Lane::Recognition)?;
-        frame.judged(&self.decode)
-    }
-
-    /// Decode and recognise on a computing thread. There `add` is given the picture's bytes and W of every exemplar.
-    pub(super) async fn recognise<T: Send + 'static>(
-        &self,
-        version: &Arc<LoadedVersion>,
-        picture: Picture,
-        wanted: Wanted,
-        add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
-    ) -> Result<(Recognised, T), Problem> {
-        let (version, limits) = (Arc::clone(version), self.decode);
-        let memory = picture.working_bytes;
-        let work = move || {
-            let (answer, decode) = recognise(&picture, &limits, &version.model, wanted)?;
-            let added = add(&picture.bytes, &answer.exemplar_weights);
-            Ok::<_, Problem>((answer, decode, added))
+    add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
+) -> Result<(Recognised, T), Problem> {
+    let (version, limits) = (Arc::clone(version), service.decode);
+    let memory = picture.working_bytes;
+    let work = move || {
+        let mut clock = StageClock::begin();
+        let frame = imaging::decode(&picture.bytes, &limits)?;
+        clock.end("decode");
+        let answer = match &version.model {
+            Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, &mut clock),
+            Model::Objects(model) => objects::answer(&frame, model, wanted, &mut clock)?,
         };
-        let (recognised, queue) = self.compute.run(Lane::Recognition, memory, work).await?;
-        let (answer, decode, added) = recognised?;
-        self.metrics.stage(Work::Recognition, "queue", queue);
-        self.metrics.stage(Work::Recognition, "decode", decode);
-        answer.clocked.iter().for_each(|(stage, took)| self.metrics.stage(Work::Recognition, stage, *took));
-        Ok((Recognised { answer, queue, decode }, added))
-    }
+        let added = add(&picture.bytes, &answer.exemplar_weights);
+        Ok::<_, Problem>((answer, clock, added))
+    };
+    let (recognised, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
+    let (answer, clock, added) = recognised?;
+    clock.record(&service.metrics, Work::Recognition, queue);
+    Ok((Recognised { answer, queue, clock }, added))
 }
 
-/// A picture with the evidence; headers say what answered.
+/// A picture with the evidence; its headers name the version that answered.
 pub(super) fn drawn(version: &LoadedVersion, png: Vec<u8>) -> Response {
     let text = |text: &str| HeaderValue::from_str(text).unwrap_or(HeaderValue::from_static(""));
     let headers = [
@@ -304,19 +280,19 @@ pub(super) fn render(
     header: FrameHeader,
     recognised: Recognised,
 ) -> RecognitionBody {
-    let Recognised { answer, queue, decode } = recognised;
+    let Recognised { answer, queue, clock } = recognised;
     RecognitionBody {
         database: version.database.clone(),
-        kind: version.model.kind().into(),
+        kind: version.model.kind(),
         version: version.version,
         digest: version.digest.clone(),
-        header: header.into(),
+        header,
         decision: answer.decision,
         warnings: answer.warnings,
         timings_ms: TimingsBody {
             queue: ms(queue),
-            decode: ms(decode),
-            recognise: answer.clocked.iter().map(|(_, took)| ms(*took)).sum(),
+            decode: clock.ms("decode"),
+            recognise: answer.stages.total(),
             stages: answer.stages,
         },
         evidence: answer.evidence,
@@ -352,14 +328,15 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png", Drawing::RECONSTRUCTION])?;
     let wanted = Wanted { drawing: Drawing::of(given), ..Wanted::of(query.top, query.explain)? };
-    let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
+    let version =
+        version_for(&service.databases, &path.database, query.version, query.alias.as_ref()).await?;
     if wanted.drawing == Some(Drawing::Reconstruction) && matches!(version.model, Model::Landmarks(_)) {
         let text = format!("database {} is of kind landmarks: accept image/png", version.database);
         return Err(Problem::new(Code::NotAcceptable, text));
     }
-    let picture = service.admitted(frame)?;
-    let (mut recognised, ()) = service.recognise(&version, picture, wanted, |_, _| ()).await?;
-    let mut response = match recognised.answer.drawn.take() {
+    let picture = frame.admitted(&service)?;
+    let (mut recognised, ()) = recognise(&service, &version, picture, wanted, |_, _| ()).await?;
+    let response = match recognised.answer.drawn.take() {
         Some(Drawn { png, distance_from_space }) => {
             let mut response = drawn(&version, png);
             if let Some(Ok(distance)) = distance_from_space.map(|d| format!("{d:.6}").parse()) {
@@ -369,8 +346,7 @@ pub async fn post(
         }
         None => Json(render(&version, header, recognised)).into_response(),
     };
-    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
-    Ok(response)
+    Ok(accept::vary(response))
 }
 
 /// Recognise several frames: parts that are all called `image`. One bad picture never loses the rest.
@@ -389,7 +365,8 @@ pub async fn post_batch(
     request: Request,
 ) -> Result<Json<RecognitionBatch>, Problem> {
     let wanted = Wanted::of(query.top, query.explain)?;
-    let version = service.version_for(&path.database, query.version, query.alias.as_ref()).await?;
+    let version =
+        version_for(&service.databases, &path.database, query.version, query.alias.as_ref()).await?;
     let limits = &service.limits;
     let mut form = Form::of(request, &service, limits.max_batch_bytes, limits.max_body_bytes).await?;
     let mut items = Vec::new();
@@ -406,7 +383,7 @@ pub async fn post_batch(
         let (service, version, header) = (&service, &version, header.clone());
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
-            let (recognised, ()) = service.recognise(version, picture, wanted, |_, _| ()).await?;
+            let (recognised, ()) = recognise(service, version, picture, wanted, |_, _| ()).await?;
             Ok(render(version, header, recognised))
         });
         if running.len() >= most_running

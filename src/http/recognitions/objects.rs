@@ -1,15 +1,16 @@
-//! What a database of kind `objects` answers: candidates, and the pose of the object.
-
-use std::time::Duration;
+//! The answer of a database of kind `objects`: candidates, and the pose of the object.
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, StagesBody, Wanted, ms};
+use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, StagesBody, Wanted};
 use crate::http::problem::Problem;
+use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::imaging::encode::png_gray8;
-use landmarkd_core::recognition::objects::{Candidate, Decision, Objects, Pose, Stage, annotate};
+use landmarkd_core::recognition::objects::{
+    Candidate, Decision, Objects, Pose, Reconstruction, Stage, annotate,
+};
 
 /// What speaks for the answer of an object database.
 #[derive(Debug, Serialize, ToSchema)]
@@ -91,15 +92,17 @@ impl From<Pose> for PoseBody {
     }
 }
 
-fn place(stage: Stage) -> usize {
+const STAGES: [&str; 3] = ["appearance", "universal", "object"];
+
+fn word(stage: Stage) -> &'static str {
     match stage {
-        Stage::Appearance => 0,
-        Stage::Universal => 1,
-        Stage::Object => 2,
+        Stage::Appearance => "appearance",
+        Stage::Universal => "universal",
+        Stage::Object => "object",
     }
 }
 
-/// What the model says of the frame; `lap` gives the time since it was last asked.
+/// The model's answer to the frame.
 ///
 /// # Errors
 /// The frame is not of the database's size, and `resize` is `never`.
@@ -107,11 +110,11 @@ pub(super) fn answer(
     frame: &Frame,
     model: &Objects,
     wanted: Wanted,
-    mut lap: impl FnMut() -> Duration,
+    clock: &mut StageClock,
 ) -> Result<Answer, Problem> {
-    let mut clocked = ["appearance", "universal", "object"].map(|stage| (stage, Duration::ZERO));
-    let recognition = model.recognise(frame, |stage| clocked[place(stage)].1 = lap())?;
-    let [appearance, universal, object] = clocked.map(|(_, took)| ms(took));
+    clock.expect(&STAGES);
+    let recognition = model.recognise(frame, |stage| clock.end(word(stage)))?;
+    let [appearance, universal, object] = STAGES.map(|stage| clock.ms(stage));
     let decision = recognition.decision.as_ref();
     Ok(Answer {
         decision: decision.map(DecisionBody::from),
@@ -121,7 +124,6 @@ pub(super) fn answer(
             pose: decision.and_then(|decision| decision.pose).map(PoseBody::from),
         }),
         stages: StagesBody::Objects(ObjectStages { appearance, universal, object }),
-        clocked: clocked.into(),
         drawn: match wanted.drawing {
             None => None,
             Some(Drawing::Evidence) => {
@@ -129,10 +131,10 @@ pub(super) fn answer(
                 Some(Drawn { png, distance_from_space: None })
             }
             Some(Drawing::Reconstruction) => {
-                let seen = model.reconstruct(frame)?;
-                let picture = seen.side_by_side();
+                let reconstruction = Reconstruction::of(frame, model)?;
+                let picture = reconstruction.side_by_side();
                 let png = png_gray8(picture.width(), picture.height(), &picture.to_gray8());
-                Some(Drawn { png, distance_from_space: Some(seen.distance_from_space) })
+                Some(Drawn { png, distance_from_space: Some(reconstruction.distance_from_space) })
             }
         },
         exemplar_weights: Vec::new(),

@@ -1,7 +1,7 @@
 //! The tracks that are live in this process: where each robot is believed to be, and when its track is gone.
 //!
-//! A track is an immutable value; each of its frames puts another in its place. The one lock is held to look and to put,
-//! never while a frame is worked on.
+//! A track is an immutable value; each of its frames puts another in its place. The one lock is held to read and to
+//! replace, never while a frame is worked on.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -10,20 +10,34 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedMutexGuard, Semaphore, SemaphorePermit};
+use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::super::problem::{Code, Problem};
-use super::MotionWord;
 use crate::config::Limits;
 use crate::database::{FrameHeader, Name};
+use crate::http::problem::{Code, Problem};
 use landmarkd_core::recognition::landmarks::{Belief, ExemplarName};
 
 /// Frames of one track that may wait for those before them: a second's worth of a slow camera. A robot that sends faster
 /// than it is answered must drop frames, not pile them up.
 const MOST_WAITING: usize = 8;
 
-/// What a robot's frames so far amount to.
+/// How robots move among the exemplars.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionWord {
+    /// The exemplars follow one another as they were posted; robots pass them forward or back, at whatever speed.
+    Path,
+    /// Nothing is known of which exemplar is near which.
+    Still,
+    /// `path` if the version takes the camera to be upright, else `still`.
+    #[default]
+    Auto,
+}
+
+/// The state of a track after its frames so far.
 #[derive(Clone)]
 pub struct Track {
     pub id: Uuid,
@@ -48,11 +62,11 @@ pub struct Track {
     pub used_at: Timestamp,
 }
 
-/// What tells a frame from the others of its track: the robot's header and the sum of its picture.
+/// What identifies a frame within its track: the robot's header and a hash of its picture.
 #[derive(Clone, PartialEq, Eq)]
 pub struct FrameMark {
     header: FrameHeader,
-    sum: u64,
+    hash: u64,
 }
 
 impl Track {
@@ -62,7 +76,7 @@ impl Track {
         let mark = header.frame_id.is_some().then(|| {
             let mut hasher = DefaultHasher::new();
             bytes.hash(&mut hasher);
-            FrameMark { header, sum: hasher.finish() }
+            FrameMark { header, hash: hasher.finish() }
         });
         let is_repeat = mark.is_some() && mark == self.last;
         if !is_repeat {
@@ -82,43 +96,43 @@ impl Track {
     }
 }
 
-/// Whose turn it is among the frames of a track: first come, first served.
+/// The queue of a track's frames: first come, first served.
 #[derive(Clone)]
-pub struct Turns {
-    waiting: Arc<Semaphore>,
-    turn: Arc<tokio::sync::Mutex<()>>,
+pub struct FrameQueue {
+    permits: Arc<Semaphore>,
+    current: Arc<tokio::sync::Mutex<()>>,
 }
 
-/// A frame's turn, for as long as it is held.
-pub struct Turn<'a> {
-    _place: SemaphorePermit<'a>,
-    _turn: OwnedMutexGuard<()>,
+/// The frame that is worked on, until it is dropped.
+pub struct FrameGuard<'a> {
+    _permit: SemaphorePermit<'a>,
+    _current: OwnedMutexGuard<()>,
 }
 
-impl Turns {
+impl FrameQueue {
     fn new() -> Self {
-        Self { waiting: Arc::new(Semaphore::new(1 + MOST_WAITING)), turn: Arc::default() }
+        Self { permits: Arc::new(Semaphore::new(1 + MOST_WAITING)), current: Arc::default() }
     }
 
-    /// Wait until the frames that came before are answered.
+    /// Waits until the frames that came before are answered.
     ///
     /// # Errors
     /// 503 when too many wait already.
-    pub async fn take(&self) -> Result<Turn<'_>, Problem> {
-        let place = self.waiting.try_acquire().map_err(|_| {
+    pub async fn lock(&self) -> Result<FrameGuard<'_>, Problem> {
+        let permit = self.permits.try_acquire().map_err(|_| {
             let text = format!(
                 "{MOST_WAITING} frames of this track wait already: send the next when one is answered"
             );
             Problem::new(Code::Overloaded, text)
         })?;
-        Ok(Turn { _place: place, _turn: Arc::clone(&self.turn).lock_owned().await })
+        Ok(FrameGuard { _permit: permit, _current: Arc::clone(&self.current).lock_owned().await })
     }
 }
 
 struct Entry {
     track: Arc<Track>,
     bytes: u64,
-    turns: Turns,
+    queue: FrameQueue,
     used: Instant,
 }
 
@@ -146,7 +160,7 @@ impl Tracks {
         live
     }
 
-    /// Room for so many bytes of a track, in place of those of that id if it is there.
+    /// Whether there is room for so many bytes of a track, in place of those of that id if it is there.
     fn admit(&self, live: &BTreeMap<Uuid, Entry>, id: Uuid, bytes: u64) -> Result<(), Problem> {
         let others = || live.iter().filter(|(other, _)| **other != id).map(|(_, entry)| entry.bytes);
         let held = others().sum::<u64>();
@@ -162,7 +176,7 @@ impl Tracks {
         Err(Problem::new(Code::TooManyTracks, text).until(self.idle.saturating_sub(oldest)))
     }
 
-    /// Begin a track.
+    /// Begins a track.
     ///
     /// # Errors
     /// 429 when there is no room.
@@ -171,21 +185,22 @@ impl Tracks {
         let mut live = self.live();
         self.admit(&live, track.id, bytes)?;
         let track = Arc::new(track);
-        let entry = Entry { track: Arc::clone(&track), bytes, turns: Turns::new(), used: Instant::now() };
+        let entry =
+            Entry { track: Arc::clone(&track), bytes, queue: FrameQueue::new(), used: Instant::now() };
         live.insert(track.id, entry);
         Ok(track)
     }
 
-    /// The turns of a track that a frame came for; it lives on from now.
+    /// The queue of a track that a frame came for; its idle time starts again.
     ///
     /// # Errors
     /// 404 when there is no such track.
-    pub fn arrive(&self, database: &Name, id: Uuid) -> Result<Turns, Problem> {
+    pub fn queue(&self, database: &Name, id: Uuid) -> Result<FrameQueue, Problem> {
         let mut live = self.live();
         let entry = live.get_mut(&id).filter(|entry| entry.track.database == *database);
         let entry = entry.ok_or_else(|| self.unknown(id))?;
         entry.used = Instant::now();
-        Ok(entry.turns.clone())
+        Ok(entry.queue.clone())
     }
 
     /// A track as it stands.
@@ -198,7 +213,7 @@ impl Tracks {
         entry.map(|entry| Arc::clone(&entry.track)).ok_or_else(|| self.unknown(id))
     }
 
-    /// Put what a track has become in its place.
+    /// Puts a track in the place of the one with its id.
     ///
     /// # Errors
     /// 404 when it was deleted meanwhile, 429 when it has grown and there is no room.
@@ -224,7 +239,7 @@ impl Tracks {
         of_database.take(limit as usize).cloned().collect()
     }
 
-    /// End a track.
+    /// Ends a track.
     ///
     /// # Errors
     /// 404 when there is no such track.

@@ -14,17 +14,17 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
-use self::live::Track;
 pub use self::live::Tracks;
+use self::live::{MotionWord, Track};
 use super::Service;
-use super::databases::DatabasePath;
 use super::exemplars::ImageForm;
 use super::extract::{Json as JsonIn, Path, Query};
-use super::pages::{self, Page, PageQuery};
+use super::pages::{Page, PageQuery, Paging};
+use super::paths::DatabasePath;
 use super::problem::{Code, Problem};
-use super::recognitions::{DecisionBody, RecognitionBody, Wanted, render};
+use super::recognitions::{DecisionBody, RecognitionBody, Wanted, recognise, render, version_for};
 use super::uploads::{OnePicture, RobotHeader};
-use crate::database::{CURRENT, LoadedVersion, Model, Name};
+use crate::database::{CURRENT, Databases, LoadedVersion, Model, Name};
 use landmarkd_core::recognition::landmarks::{Belief, Landmarks, Motion, Viewpoint};
 
 /// The track that a call is about.
@@ -36,19 +36,6 @@ pub struct TrackPath {
     pub database: Name,
     /// Id of the track.
     pub id: Uuid,
-}
-
-/// How robots move among the exemplars.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MotionWord {
-    /// The exemplars follow one another as they were posted; robots pass them forward or back, at whatever speed.
-    Path,
-    /// Nothing is known of which exemplar is near which.
-    Still,
-    /// `path` if the version takes the camera to be upright, else `still`.
-    #[default]
-    Auto,
 }
 
 /// A track to begin.
@@ -206,9 +193,9 @@ impl BeliefBody {
     }
 }
 
-impl Service {
-    fn track_body(&self, track: &Track) -> TrackBody {
-        TrackBody {
+impl TrackBody {
+    fn of(track: &Track, tracks: &Tracks) -> Self {
+        Self {
             id: track.id,
             database: track.database.to_string(),
             alias: track.alias.as_ref().map_or(CURRENT, Name::as_str).into(),
@@ -217,56 +204,54 @@ impl Service {
             frames: track.frames,
             warnings: order_warning(track).into_iter().collect(),
             created_at: track.created_at,
-            expires_at: self.tracks.expires_at(track),
+            expires_at: tracks.expires_at(track),
         }
     }
+}
 
-    /// How robots move among the exemplars of a model; none along a path whose order isn't known.
-    async fn motion(
-        &self,
-        wanted: MotionWord,
-        database: &Name,
-        model: &Landmarks,
-    ) -> Result<Option<Motion>, Problem> {
-        match (wanted, model.options().viewpoint) {
-            (MotionWord::Still, _) | (MotionWord::Auto, Viewpoint::Free) => return Ok(Some(Motion::Still)),
-            (MotionWord::Path, _) | (MotionWord::Auto, Viewpoint::Upright) => {}
-        }
-        let arrived = self.databases.exemplars_by_arrival(database).await?;
-        let index_of: HashMap<&str, usize> = model
-            .exemplars()
-            .iter()
-            .enumerate()
-            .map(|(index, exemplar)| (exemplar.id.as_str(), index))
-            .collect();
-        let order: Vec<usize> =
-            arrived.iter().filter_map(|id| index_of.get(id.to_string().as_str()).copied()).collect();
-        Ok((order.len() == model.exemplars().len()).then_some(Motion::Path(order)))
+/// How robots move among the exemplars of a model; none along a path when their order isn't known.
+async fn motion(
+    databases: &Databases,
+    wanted: MotionWord,
+    database: &Name,
+    model: &Landmarks,
+) -> Result<Option<Motion>, Problem> {
+    match (wanted, model.options().viewpoint) {
+        (MotionWord::Still, _) | (MotionWord::Auto, Viewpoint::Free) => return Ok(Some(Motion::Still)),
+        (MotionWord::Path, _) | (MotionWord::Auto, Viewpoint::Upright) => {}
     }
+    let arrived = databases.exemplars_by_arrival(database).await?;
+    let ids = model.exemplars().iter().map(|exemplar| exemplar.id.as_str());
+    let index_of: HashMap<&str, usize> = ids.zip(0..).collect();
+    let order: Vec<usize> =
+        arrived.iter().filter_map(|id| index_of.get(id.to_string().as_str()).copied()).collect();
+    Ok((order.len() == model.exemplars().len()).then_some(Motion::Path(order)))
+}
 
-    /// A track as it goes on with a version: what was believed of an exemplar is believed of it still.
-    async fn carried_over(&self, track: &Track, version: &LoadedVersion) -> Result<Track, Problem> {
-        let model = landmarks(version)?;
-        if track.digest == version.digest {
-            return Ok(Track { version: version.version, ..track.clone() });
-        }
-        let motion = self.motion(track.motion, &track.database, model).await?;
-        let ids = track.exemplars.iter().map(|exemplar| exemplar.id.as_str());
-        let index_before: HashMap<&str, usize> = ids.zip(0..).collect();
-        let before: Vec<Option<usize>> = model
-            .exemplars()
-            .iter()
-            .map(|exemplar| index_before.get(exemplar.id.as_str()).copied())
-            .collect();
-        Ok(Track {
-            is_out_of_order: motion.is_none(),
-            belief: track.belief.carried_over(motion.unwrap_or(Motion::Still), &before),
-            version: version.version,
-            digest: version.digest.clone(),
-            exemplars: model.names().into(),
-            ..track.clone()
-        })
+/// The track with another version: the belief in an exemplar that both versions have stays.
+async fn carried_over(
+    databases: &Databases,
+    track: &Track,
+    version: &LoadedVersion,
+) -> Result<Track, Problem> {
+    let model = landmarks(version)?;
+    if track.digest == version.digest {
+        return Ok(Track { version: version.version, ..track.clone() });
     }
+    let motion = motion(databases, track.motion, &track.database, model).await?;
+    let ids = track.exemplars.iter().map(|exemplar| exemplar.id.as_str());
+    let index_before: HashMap<&str, usize> = ids.zip(0..).collect();
+    let exemplars = model.exemplars().iter();
+    let before: Vec<Option<usize>> =
+        exemplars.map(|exemplar| index_before.get(exemplar.id.as_str()).copied()).collect();
+    Ok(Track {
+        is_out_of_order: motion.is_none(),
+        belief: track.belief.carried_over(motion.unwrap_or(Motion::Still), &before),
+        version: version.version,
+        digest: version.digest.clone(),
+        exemplars: model.names().into(),
+        ..track.clone()
+    })
 }
 
 fn order_warning(track: &Track) -> Option<&'static str> {
@@ -286,9 +271,9 @@ pub async fn post(
     Path(path): Path<DatabasePath>,
     JsonIn(new): JsonIn<NewTrack>,
 ) -> Result<Response, Problem> {
-    let version = service.version_for(&path.database, None, new.alias.as_ref()).await?;
+    let version = version_for(&service.databases, &path.database, None, new.alias.as_ref()).await?;
     let model = landmarks(&version)?;
-    let motion = service.motion(new.motion, &path.database, model).await?;
+    let motion = motion(&service.databases, new.motion, &path.database, model).await?;
     let now = Timestamp::now();
     let track = service.tracks.begin(Track {
         id: Uuid::now_v7(),
@@ -307,7 +292,7 @@ pub async fn post(
     })?;
     let location = format!("/v1/databases/{}/tracks/{}", track.database, track.id);
     let location = HeaderValue::from_str(&location).unwrap_or(HeaderValue::from_static(""));
-    Ok((StatusCode::CREATED, [(header::LOCATION, location)], Json(service.track_body(&track)))
+    Ok((StatusCode::CREATED, [(header::LOCATION, location)], Json(TrackBody::of(&track, &service.tracks)))
         .into_response())
 }
 
@@ -334,15 +319,15 @@ pub async fn post_frame(
     frame: OnePicture,
 ) -> Result<Json<TrackedFrameBody>, Problem> {
     let wanted = Wanted::of(query.top, query.explain)?;
-    let turns = service.tracks.arrive(&path.database, path.id)?;
-    let _turn = turns.take().await?;
+    let queue = service.tracks.queue(&path.database, path.id)?;
+    let _guard = queue.lock().await?;
     let track = service.tracks.get(&path.database, path.id)?;
-    let version = service.version_for(&path.database, None, track.alias.as_ref()).await?;
-    let track = service.carried_over(&track, &version).await?;
+    let version = version_for(&service.databases, &path.database, None, track.alias.as_ref()).await?;
+    let track = carried_over(&service.databases, &track, &version).await?;
     let sent = header.clone();
     let add = move |bytes: &[u8], weights: &[f64]| track.after(sent, bytes, weights);
-    let picture = service.admitted(frame)?;
-    let (recognised, (track, counted)) = service.recognise(&version, picture, wanted, add).await?;
+    let picture = frame.admitted(&service)?;
+    let (recognised, (track, counted)) = recognise(&service, &version, picture, wanted, add).await?;
     let track = service.tracks.put(track)?;
 
     let mut recognition = render(&version, header, recognised);
@@ -372,9 +357,14 @@ pub async fn list(
     Query(page): Query<PageQuery>,
 ) -> Result<Json<Page<TrackBody>>, Problem> {
     service.databases.get(&path.database).await?;
-    let (limit, after) = (pages::limit(page.limit)?, pages::after(page.cursor.as_deref())?);
+    let Paging { limit, after } = Paging::read(page.limit, page.cursor.as_deref())?;
     let tracks = service.tracks.list(&path.database, after, limit);
-    Ok(Json(Page::of(tracks, limit, |track| track.id.to_string(), |track| service.track_body(&track))))
+    Ok(Json(Page::of(
+        tracks,
+        limit,
+        |track| track.id.to_string(),
+        |track| TrackBody::of(&track, &service.tracks),
+    )))
 }
 
 /// One track with what is believed. Looking at it doesn't keep it alive.
@@ -390,7 +380,10 @@ pub async fn get(
 ) -> Result<Json<TrackDetail>, Problem> {
     let top = Wanted::of(query.top, None)?.top;
     let track: Arc<Track> = service.tracks.get(&path.database, path.id)?;
-    Ok(Json(TrackDetail { track: service.track_body(&track), belief: BeliefBody::of(&track, top) }))
+    Ok(Json(TrackDetail {
+        track: TrackBody::of(&track, &service.tracks),
+        belief: BeliefBody::of(&track, top),
+    }))
 }
 
 /// End a track.

@@ -1,33 +1,45 @@
-//! The gate before `current`: the candidate and the version in use are shown the same rehearsals of the candidate's
+//! The gate before `current`: the candidate and the version in use recognise the same synthetic views of the candidate's
 //! exemplars, and the candidate is promoted unless it is worse beyond chance.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::{Worker, landmarks, rounds_of};
+use super::{landmarks, rounds_of};
 use crate::database::{DatabaseError, ExemplarRow, JobRow, LoadedVersion, Model, Name};
-use crate::jobs::runner::Stop;
+use crate::jobs::stop::Stop;
+use crate::jobs::worker::Worker;
+use crate::telemetry::chain;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::recognition::Comparison;
-use landmarkd_core::recognition::landmarks::rehearsals;
-use landmarkd_core::recognition::objects::{ViewName, rehearsal};
+use landmarkd_core::recognition::landmarks::{CalibrationPlan, correct_decisions, synthetic_views};
+use landmarkd_core::recognition::objects::{ViewName, ViewSample, recognises_view, synthetic_view};
 
 /// A comparison of landmarks takes so many times the rounds of a calibration: small differences want many trials.
 const ROUNDS_FACTOR: u64 = 2;
 
-/// How a trained version did beside the one in use, as it is kept with the job.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// A trained version and the one that `current` pointed to, shown the same: exemplars of the new one, seen otherwise.
+/// Landmarks are also shown with their label left out of either version, when the right answer is null.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ComparisonBody)]
 pub struct VersionComparison {
-    /// The version in use; none if there was none that loads: then there was nothing to be compared with.
+    /// The version in use; null if `current` pointed to none that loads: then nothing was shown, and it is promoted.
     pub against_version: Option<i64>,
+    /// How often both were asked.
     pub trials: u64,
+    /// Right answers of the trained version.
     pub candidate_right: u64,
+    /// Right answers of the version in use.
     pub current_right: u64,
+    /// Asked when the trained version alone was right.
     pub candidate_only: u64,
+    /// Asked when the version in use alone was right.
     pub current_only: u64,
+    /// The chance that, of those on which they differ, as many or more go to the version in use if both are equally
+    /// good (sign test). Below 0.05 the trained version counts as worse.
     pub p_value: f64,
-    /// Whether `current` moved to the version.
+    /// Whether `current` moved to the trained version.
     pub promoted: bool,
 }
 
@@ -68,13 +80,13 @@ pub(super) async fn compare(
     let against_version = current.version;
     let (ids, rounds, shown): (Vec<&str>, u64, u64) = match &candidate.model {
         Model::Landmarks(model) => {
-            let (chosen, rounds) = model.rehearsed_exemplars();
-            let ids = chosen.into_iter().map(|index| model.exemplars()[index].id.as_str());
+            let CalibrationPlan { exemplars, rounds } = CalibrationPlan::of(model);
+            let ids = exemplars.into_iter().map(|index| model.exemplars()[index].id.as_str());
             (ids.collect(), rounds, ROUNDS_FACTOR * rounds)
         }
         Model::Objects(model) => {
-            let (chosen, rounds) = model.rehearsed_views();
-            let ids = chosen.into_iter().map(|index| model.views()[index].id.as_str());
+            let ViewSample { views, rounds } = ViewSample::of(model);
+            let ids = views.into_iter().map(|index| model.views()[index].id.as_str());
             (ids.collect(), rounds, rounds)
         }
     };
@@ -102,7 +114,7 @@ async fn in_use(
         Ok(current) => Ok(Some(current).filter(|current| current.model.kind() == candidate.model.kind())),
         Err(DatabaseError::NotTrained { .. } | DatabaseError::NoCurrent { .. }) => Ok(None),
         Err(error @ DatabaseError::Unloadable { .. }) => {
-            let error = crate::telemetry::chain(&error);
+            let error = chain(&error);
             tracing::warn!(database, error, "nothing to compare with: the version in use doesn't load");
             Ok(None)
         }
@@ -110,7 +122,7 @@ async fn in_use(
     }
 }
 
-/// What candidate and current say rightly to a rehearsal of an exemplar.
+/// Which synthetic views of an exemplar the candidate and the version in use answer correctly.
 fn judged(
     candidate: &Model,
     current: &Model,
@@ -121,13 +133,13 @@ fn judged(
     match (candidate, current) {
         (Model::Landmarks(candidate), Model::Landmarks(current)) => {
             let name = landmarks::name(row);
-            let seen = rehearsals(&name, frame, round, candidate.options());
-            (candidate.judge(&name, &seen), current.judge(&name, &seen))
+            let views = synthetic_views(&name, frame, round, candidate.options());
+            (correct_decisions(candidate, &name, &views), correct_decisions(current, &name, &views))
         }
         (Model::Objects(candidate), Model::Objects(current)) => {
             let name = ViewName { id: row.id.to_string(), label: row.label.clone(), pose_deg: row.pose_deg };
-            let seen = rehearsal(&name, frame, round);
-            (vec![candidate.judge(&name, &seen)], vec![current.judge(&name, &seen)])
+            let view = synthetic_view(&name, frame, round);
+            (vec![recognises_view(candidate, &name, &view)], vec![recognises_view(current, &name, &view)])
         }
         _ => (Vec::new(), Vec::new()),
     }

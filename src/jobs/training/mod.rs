@@ -13,38 +13,46 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
-use futures_util::{StreamExt, TryStreamExt, stream};
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::runner::{Lease, Stop};
-use crate::compute::{Compute, Lane};
+use super::stop::Stop;
+use super::worker::Worker;
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, LoadedVersion,
-    Model, Options, Report, ReportTimings, inputs_digest,
+    Model, Options, Report, TrainingTimings, inputs_digest,
 };
+use crate::problem::Code;
 use crate::store::CatalogueError;
+use crate::telemetry::chain;
 pub use gate::VersionComparison;
-use landmarkd_core::imaging::{self, DecodeLimits, Frame};
 pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.
 pub(super) const KIND: &str = "training";
 
 /// Whether `current` moves to the new version.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = PromoteWord)]
 pub enum Promote {
+    /// It does.
+    #[default]
     Always,
-    /// Unless it is worse than the version that `current` points to, beyond chance.
+    /// Unless it is worse than the version that `current` points to: both are shown the exemplars seen otherwise, and
+    /// the sign test says whether it is worse beyond chance (p < 0.05). See the job's `comparison`.
     IfNotWorse,
+    /// It doesn't.
     Never,
 }
 
-/// What a training is asked to do, settled when it is queued.
+/// The parameters of a training, fixed when it is queued and kept with the job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingParams {
+    /// How the exemplars are trained.
     pub options: Options,
+    /// Whether `current` moves to the version.
     pub promote: Promote,
 }
 
@@ -62,99 +70,151 @@ impl TrainingParams {
 
     /// The kind is that of the database: the document doesn't name it.
     fn from_document(kind: Kind, text: &str) -> Result<Self, Stop> {
-        let unreadable = |detail: String| Stop::Failed { code: "internal", detail };
         let document: ParamsDocument =
-            serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
+            serde_json::from_str(text).map_err(|error| Stop::failed(Code::Internal, error.to_string()))?;
         let options = Options::from_document(kind, &document.options)
-            .map_err(|error| unreadable(crate::telemetry::chain(&error)))?;
+            .map_err(|error| Stop::failed(Code::Internal, chain(&error)))?;
         Ok(Self { options, promote: document.promote })
     }
 }
 
-/// Train, publish, and end the job with the version's number.
-pub(super) async fn run(
-    job: &JobRow,
-    lease: &Lease,
-    databases: &Databases,
-    compute: &Compute,
-    decode: &DecodeLimits,
-) -> Result<i64, Stop> {
-    let nowhere = || CatalogueError::NotFound { what: "the database of a training".into() };
-    let name = job.database.as_deref().ok_or_else(nowhere)?;
-    let database = databases.catalogue.database(name).await?;
-    let database = database.ok_or_else(|| CatalogueError::NotFound { what: format!("database {name}") })?;
-    let kind = Kind::parse(&database.kind).ok_or_else(|| Stop::Failed {
-        code: "not_yet",
-        detail: format!("the database is of kind {}: this release can't train it", database.kind),
-    })?;
-    let params = TrainingParams::from_document(kind, &job.params)?;
-    let exemplars = databases.catalogue.training_set(name).await?;
-    if exemplars.is_empty() {
-        let detail = "the database has no exemplars: post some, then train".into();
-        return Err(Stop::Failed { code: "no_exemplars", detail });
-    }
-    let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
-    let worker = Worker { lease, databases, compute, decode };
-    if let Some(found) = databases.catalogue.version_by_digest(name, &digest).await? {
-        match databases.registry().load(name, found.version, &digest, &found.blob).await {
-            Ok(version) => {
-                let (alias, comparison) = worker.promotion(params.promote, name, version, &exemplars).await?;
-                let (version, comparison) = (Some(found.version), comparison.as_deref());
-                let _publishing = lease.publishing().await;
-                databases.catalogue.succeed_job(lease.id, lease.token, version, alias, comparison).await?;
-                announce(databases).await;
-                return Ok(found.version);
-            }
-            // Trained again it gives the same bytes, and storing those mends the artifact.
-            Err(DatabaseError::Unloadable { reason, .. }) => {
-                tracing::warn!(database = name, found.version, reason, "damaged: training it again");
-            }
-            Err(error) => return Err(error.into()),
+/// What a training is made from.
+struct Inputs {
+    /// Name of the database.
+    database: String,
+    exemplars: Vec<ExemplarRow>,
+    params: TrainingParams,
+    /// Digest of exemplars, options and algorithm: of the version too.
+    digest: String,
+}
+
+impl Inputs {
+    async fn read(job: &JobRow, databases: &Databases) -> Result<Self, Stop> {
+        let not_found = |what: String| CatalogueError::NotFound { what };
+        let name = job.database.clone().ok_or_else(|| not_found("the database of a training".into()))?;
+        let row = databases.catalogue.database(&name).await?;
+        let row = row.ok_or_else(|| not_found(format!("database {name}")))?;
+        let kind = Kind::parse(&row.kind).ok_or_else(|| {
+            let text = format!("the database is of kind {}: this release can't train it", row.kind);
+            Stop::failed(Code::NotYet, text)
+        })?;
+        let params = TrainingParams::from_document(kind, &job.params)?;
+        let exemplars = databases.catalogue.training_set(&name).await?;
+        if exemplars.is_empty() {
+            let text = "the database has no exemplars: post some, then train";
+            return Err(Stop::failed(Code::NoExemplars, text));
         }
+        let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
+        Ok(Self { database: name, exemplars, params, digest })
     }
+}
 
-    let rows = exemplars.clone();
-    let (trained, timings) = match params.options {
-        Options::Landmarks(options) => landmarks::train(&worker, rows, options).await?,
-        Options::Objects(options) => objects::train(&worker, rows, options).await?,
+/// Trains, publishes, and ends the job with the version's number.
+pub(super) async fn run(worker: &Worker<'_>, job: &JobRow) -> Result<i64, Stop> {
+    let inputs = Inputs::read(job, worker.databases).await?;
+    if let Some(version) = reuse(worker, &inputs).await? {
+        return Ok(version);
+    }
+    let (artifact, bytes) = train(worker, &inputs).await?;
+    publish(worker, &inputs, &artifact, bytes).await
+}
+
+/// Ends the job with the version that was trained from the same inputs, if there is one that loads.
+async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop> {
+    let Worker { lease, databases, .. } = worker;
+    let Inputs { database, digest, .. } = inputs;
+    let Some(found) = databases.catalogue.version_by_digest(database, digest).await? else { return Ok(None) };
+    let version = match databases.registry().load(database, found.version, digest, &found.blob).await {
+        Ok(version) => version,
+        // Trained again it gives the same bytes, and storing those mends the artifact.
+        Err(DatabaseError::Unloadable { reason, .. }) => {
+            tracing::warn!(database, found.version, reason, "damaged: training it again");
+            return Ok(None);
+        }
+        Err(error) => return Err(error.into()),
     };
-    let started = Instant::now();
-    let write = move || trained.into_artifact(digest);
-    let ((artifact, bytes), _) = compute.run(Lane::Training, 0, write).await.map_err(DatabaseError::from)?;
-    let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
-
-    lease.progress("publishing", 0, 1).await?;
-    let mut new = databases.keep_artifact(name, &artifact, bytes).await?;
-    new.report = artifact.report.timed(ReportTimings { eigenspace, ..timings }).to_document();
-    let candidate = databases.registry().load(name, 0, &new.digest, &new.blob).await?;
-    let (alias, comparison) = worker.promotion(params.promote, name, candidate, &exemplars).await?;
-    lease.go_on()?;
+    let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
     let _publishing = lease.publishing().await;
-    let published =
-        databases.catalogue.publish(lease.id, lease.token, &new, alias, comparison.as_deref()).await;
-    let version = published?;
-    announce(databases).await;
+    let (number, comparison) = (Some(found.version), comparison.as_deref());
+    databases.catalogue.succeed_job(lease.id, lease.token, number, alias, comparison).await?;
+    serve_now(databases).await;
+    Ok(number)
+}
+
+/// The artifact of the exemplars, with its file.
+async fn train(worker: &Worker<'_>, inputs: &Inputs) -> Result<(Artifact, Bytes), Stop> {
+    let rows = inputs.exemplars.clone();
+    let (trained, timings) = match inputs.params.options.clone() {
+        Options::Landmarks(options) => landmarks::train(worker, rows, options).await?,
+        Options::Objects(options) => objects::train(worker, rows, options).await?,
+    };
+    let (started, digest) = (Instant::now(), inputs.digest.clone());
+    let (mut artifact, bytes) = worker.run(0, move || trained.into_artifact(digest)).await?;
+    let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
+    // The file is without the timings: the same inputs give the same bytes.
+    artifact.report = artifact.report.timed(TrainingTimings { eigenspace, ..timings });
+    Ok((artifact, bytes))
+}
+
+/// Keeps the artifact and ends the job with a version of it.
+async fn publish(
+    worker: &Worker<'_>,
+    inputs: &Inputs,
+    artifact: &Artifact,
+    bytes: Bytes,
+) -> Result<i64, Stop> {
+    let Worker { lease, databases, .. } = worker;
+    lease.progress("publishing", 0, 1).await?;
+    let new = databases.keep_artifact(&inputs.database, artifact, bytes).await?;
+    let candidate = databases.registry().load(&inputs.database, 0, &new.digest, &new.blob).await?;
+    let Promotion { alias, comparison } = promotion(worker, inputs, candidate).await?;
+    lease.check()?;
+    let _publishing = lease.publishing().await;
+    let comparison = comparison.as_deref();
+    let version = databases.catalogue.publish(lease.id, lease.token, &new, alias, comparison).await?;
+    serve_now(databases).await;
     Ok(version.version)
 }
 
-/// Pictures of the exemplar's size, with what recognition needs, that a piece of a training's work holds at most.
-const PICTURES_AT_ONCE: u64 = 4;
+/// What becomes of `current` when a version is published.
+struct Promotion {
+    /// The alias that moves to the version.
+    alias: Option<&'static str>,
+    /// The [`VersionComparison`] to keep with the job, as a document.
+    comparison: Option<String>,
+}
 
-/// Longest that readers of jobs are kept waiting for a version to be served.
-const ANNOUNCE_PATIENCE: Duration = Duration::from_secs(5);
+async fn promotion(
+    worker: &Worker<'_>,
+    inputs: &Inputs,
+    candidate: Arc<LoadedVersion>,
+) -> Result<Promotion, Stop> {
+    Ok(match inputs.params.promote {
+        Promote::Always => Promotion { alias: Some(CURRENT), comparison: None },
+        Promote::Never => Promotion { alias: None, comparison: None },
+        Promote::IfNotWorse => {
+            let compared = gate::compare(worker, &inputs.database, candidate, &inputs.exemplars).await?;
+            let alias = compared.promoted.then_some(CURRENT);
+            Promotion { alias, comparison: Some(compared.to_document()) }
+        }
+    })
+}
 
-/// Serve what was published. The job has ended: if this fails, the next refresh does it.
-async fn announce(databases: &Databases) {
-    match tokio::time::timeout(ANNOUNCE_PATIENCE, databases.registry().refresh()).await {
+/// Longest time that readers of jobs wait for a version to be served.
+const SERVE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Loads what was published. The job has ended: if this fails, the next refresh does it.
+async fn serve_now(databases: &Databases) {
+    match tokio::time::timeout(SERVE_TIMEOUT, databases.registry().refresh()).await {
         Ok(Ok(())) => {}
         Ok(Err(error)) => {
-            tracing::warn!(error = crate::telemetry::chain(&error), "can't refresh after a training");
+            tracing::warn!(error = chain(&error), "can't refresh after a training");
         }
         Err(_) => tracing::warn!("the refresh after a training takes long: it is served a little later"),
     }
 }
 
-/// What the method of a kind made of the exemplars.
+/// The model of the exemplars, with its report.
 struct Trained {
     model: Model,
     report: Report,
@@ -171,14 +231,6 @@ impl Trained {
     }
 }
 
-/// What it takes to read exemplars and to compute.
-struct Worker<'a> {
-    lease: &'a Lease,
-    databases: &'a Databases,
-    compute: &'a Compute,
-    decode: &'a DecodeLimits,
-}
-
 /// The exemplars of these ids, all of them once in every round, and how many they are in each.
 fn rounds_of(ids: &[&str], rounds: u64, exemplars: &[ExemplarRow]) -> (Vec<ExemplarRow>, usize) {
     let by_id: HashMap<String, &ExemplarRow> =
@@ -186,87 +238,4 @@ fn rounds_of(ids: &[&str], rounds: u64, exemplars: &[ExemplarRow]) -> (Vec<Exemp
     let chosen: Vec<&ExemplarRow> = ids.iter().filter_map(|&id| by_id.get(id).copied()).collect();
     let rows = (0..rounds).flat_map(|_| chosen.iter().map(|&row| row.clone())).collect();
     (rows, chosen.len())
-}
-
-impl Worker<'_> {
-    /// The alias that moves to a version, and how that version did beside the one in use where that is asked for.
-    async fn promotion(
-        &self,
-        promote: Promote,
-        database: &str,
-        candidate: Arc<LoadedVersion>,
-        exemplars: &[ExemplarRow],
-    ) -> Result<(Option<&'static str>, Option<String>), Stop> {
-        match promote {
-            Promote::Always => Ok((Some(CURRENT), None)),
-            Promote::Never => Ok((None, None)),
-            Promote::IfNotWorse => {
-                let compared = gate::compare(self, database, candidate, exemplars).await?;
-                Ok((compared.promoted.then_some(CURRENT), Some(compared.to_document())))
-            }
-        }
-    }
-
-    /// What `work` makes of each exemplar by itself, in the exemplars' order, and the milliseconds that it took;
-    /// several at once on the training lane. It is told the exemplar's place among them.
-    async fn each<T, F>(
-        &self,
-        stage: &str,
-        exemplars: Vec<ExemplarRow>,
-        work: F,
-    ) -> Result<(Vec<T>, f64), Stop>
-    where
-        T: Send + 'static,
-        F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
-    {
-        let started = Instant::now();
-        let (total, work) = (exemplars.len() as u64, Arc::new(work));
-        let made = stream::iter(exemplars.into_iter().enumerate())
-            .map(|(place, row)| self.one(place, row, Arc::clone(&work)))
-            .buffered(self.compute.threads(Lane::Training))
-            .enumerate()
-            .then(|(done, made)| async move {
-                self.lease.progress(stage, done as u64, total).await?;
-                made
-            })
-            .try_collect()
-            .await?;
-        Ok((made, started.elapsed().as_secs_f64() * 1e3))
-    }
-
-    async fn one<T, F>(&self, place: usize, row: ExemplarRow, work: Arc<F>) -> Result<T, Stop>
-    where
-        T: Send + 'static,
-        F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
-    {
-        let bytes = self.databases.exemplar_bytes(&row).await?;
-        let limits = *self.decode;
-        // rehearsals are drawn beside the picture, some at a time
-        let memory = imaging::read_header(&bytes, &limits)
-            .map_or(0, |header| PICTURES_AT_ONCE * header.working_bytes());
-        let work = move || {
-            let frame = imaging::decode(&bytes, &limits).map_err(|error| Stop::Failed {
-                code: "unreadable_exemplar",
-                detail: format!(
-                    "exemplar {} can't be decoded: {}; delete it and train again",
-                    row.id,
-                    crate::telemetry::chain(&error)
-                ),
-            })?;
-            work(place, &row, &frame)
-        };
-        self.compute.run(Lane::Training, memory, work).await.map_err(DatabaseError::from)?.0
-    }
-
-    /// The value of `work`, done on one thread, and the milliseconds that it took.
-    async fn alone<T: Send + 'static>(
-        &self,
-        stage: &str,
-        work: impl FnOnce() -> Result<T, Stop> + Send + 'static,
-    ) -> Result<(T, f64), Stop> {
-        self.lease.progress(stage, 0, 1).await?;
-        let started = Instant::now();
-        let (made, _) = self.compute.run(Lane::Training, 0, work).await.map_err(DatabaseError::from)?;
-        Ok((made?, started.elapsed().as_secs_f64() * 1e3))
-    }
 }

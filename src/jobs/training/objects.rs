@@ -1,21 +1,27 @@
-//! Training an object database: the appearance of each exemplar on one canvas, then eigenspaces and manifolds.
+//! Training an object database: the appearance of each exemplar, then eigenspaces and manifolds.
 
 use std::collections::BTreeMap;
 
-use super::{Trained, Worker};
-use crate::database::{Counts, ExemplarRow, Model, ObjectsReport, Report, ReportTimings};
-use crate::jobs::runner::Stop;
+use super::Trained;
+use crate::database::{Counts, ExemplarRow, Model, ObjectsReport, Report, TrainingTimings};
+use crate::jobs::stop::Stop;
+use crate::jobs::worker::Worker;
+use crate::problem::Code;
+use crate::telemetry::chain;
 use landmarkd_core::recognition::objects::{
-    Canvas, MAX_SIDE_PX, ObjectOptions, Objects, Resize, TrainingError, View, common_size,
+    self, MAX_SIDE_PX, Normaliser, ObjectOptions, Resize, TrainingError, View, common_size,
 };
 
-/// Why exemplars can't be trained into an object database, as far as their rows tell.
+/// Why exemplars can't be trained into an object database, as far as their rows show.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnfitExemplars {
+    /// Fewer than two exemplars.
     #[error("fewer than two exemplars show anything; two that differ are the least: post more, then train")]
     TooFew,
+    /// One picture, several times.
     #[error("all exemplars are one and the same picture: post others, then train")]
     AllEqual,
+    /// Sizes that differ, without `resize`.
     #[error(
         "the exemplars must be {wanted} with resize never, and they are: {found}; delete those of another size, or train \
          with resize fit"
@@ -26,15 +32,23 @@ pub enum UnfitExemplars {
         /// How many of which size, the commonest first.
         found: String,
     },
+    /// More numbers than memory holds.
     #[error(
         "{exemplars} exemplars of {samples} samples each are more than can be trained at once ({limit} numbers): give a \
          smaller width_px and height_px, or more smoothing"
     )]
-    TooMuch { exemplars: usize, samples: usize, limit: usize },
+    TooMuch {
+        /// Their number.
+        exemplars: usize,
+        /// Samples of each, as they are trained.
+        samples: usize,
+        /// Most samples of all.
+        limit: usize,
+    },
 }
 
 impl UnfitExemplars {
-    /// What is wrong with these exemplars, if their rows tell.
+    /// What is wrong with these exemplars, as far as their rows show.
     pub(in crate::jobs) fn among(exemplars: &[ExemplarRow], options: &ObjectOptions) -> Option<Self> {
         if exemplars.len() < 2 {
             return Some(Self::TooFew);
@@ -42,18 +56,22 @@ impl UnfitExemplars {
         if exemplars.iter().all(|row| row.sha256 == exemplars[0].sha256) {
             return Some(Self::AllEqual);
         }
-        let samples = Canvas::new(options, common_size(exemplars.iter().map(size_px))?).length();
+        let samples = Normaliser::new(options, common_size(exemplars.iter().map(size_px))?).length();
         if exemplars.len().saturating_mul(samples) > MOST_NUMBERS {
             return Some(Self::TooMuch { exemplars: exemplars.len(), samples, limit: MOST_NUMBERS });
         }
         if options.resize == Resize::Fit {
             return None;
         }
+        Self::among_sizes(exemplars, options.width_px.zip(options.height_px))
+    }
+
+    /// Whether the exemplars differ in size, or from the size that the options want.
+    fn among_sizes(exemplars: &[ExemplarRow], wanted: Option<(usize, usize)>) -> Option<Self> {
         let mut sizes = BTreeMap::<(u32, u32), usize>::new();
         for row in exemplars {
             *sizes.entry(size_px(row)).or_default() += 1;
         }
-        let wanted = options.width_px.zip(options.height_px);
         let fits = |&(width, height): &(u32, u32)| match wanted {
             Some(wanted) => wanted == (width as usize, height as usize),
             None => width.max(height) as usize <= MAX_SIDE_PX,
@@ -78,13 +96,13 @@ impl UnfitExemplars {
         })
     }
 
-    /// The word of the problem.
-    pub fn code(&self) -> &'static str {
+    /// The kind of problem.
+    pub fn code(&self) -> Code {
         match self {
-            Self::TooFew => "too_few_exemplars",
-            Self::AllEqual => "all_equal",
-            Self::Sizes { .. } => "image_size_mismatch",
-            Self::TooMuch { .. } => "training_too_large",
+            Self::TooFew => Code::TooFewExemplars,
+            Self::AllEqual => Code::AllEqual,
+            Self::Sizes { .. } => Code::ImageSizeMismatch,
+            Self::TooMuch { .. } => Code::TrainingTooLarge,
         }
     }
 }
@@ -101,7 +119,7 @@ fn size_px(row: &ExemplarRow) -> (u32, u32) {
 
 impl From<UnfitExemplars> for Stop {
     fn from(unfit: UnfitExemplars) -> Self {
-        Self::Failed { code: unfit.code(), detail: unfit.to_string() }
+        Self::failed(unfit.code(), unfit.to_string())
     }
 }
 
@@ -110,33 +128,33 @@ impl From<TrainingError> for Stop {
         match error {
             TrainingError::TooFew { .. } => UnfitExemplars::TooFew.into(),
             TrainingError::AllEqual => UnfitExemplars::AllEqual.into(),
-            error => Self::Failed { code: "internal", detail: crate::telemetry::chain(&error) },
+            error => Self::failed(Code::Internal, chain(&error)),
         }
     }
 }
 
-/// Train the exemplars, with the time that it took.
+/// Trains the exemplars; returns the times of the stages too.
 pub(super) async fn train(
     worker: &Worker<'_>,
     exemplars: Vec<ExemplarRow>,
     options: ObjectOptions,
-) -> Result<(Trained, ReportTimings), Stop> {
+) -> Result<(Trained, TrainingTimings), Stop> {
     if let Some(unfit) = UnfitExemplars::among(&exemplars, &options) {
         return Err(unfit.into());
     }
     let commonest_px = common_size(exemplars.iter().map(size_px)).ok_or(UnfitExemplars::TooFew)?;
-    let canvas = Canvas::new(&options, commonest_px);
-    let on = canvas.clone();
+    let normaliser = Normaliser::new(&options, commonest_px);
+    let with = normaliser.clone();
     let described = worker.each("describing", exemplars, move |_, row, frame| {
-        let appearance = on.appearance(frame).map_err(|error| Stop::Failed {
-            code: "image_size_mismatch",
-            detail: format!("exemplar {}: {error}; delete it, or train with resize fit", row.id),
+        let appearance = with.appearance(frame).map_err(|error| {
+            let text = format!("exemplar {}: {error}; delete it, or train with resize fit", row.id);
+            Stop::failed(Code::ImageSizeMismatch, text)
         })?;
         Ok(View { id: row.id.to_string(), label: row.label.clone(), pose_deg: row.pose_deg, appearance })
     });
     let (views, describe_ms) = described.await?;
     let fit = move || {
-        let (model, report) = Objects::train(views, &canvas, &options)?;
+        let (model, report) = objects::train(views, &normaliser, &options)?;
         let counts = Counts {
             exemplars: model.views().len() as u64,
             labels: report.labels as u64,
@@ -146,7 +164,7 @@ pub(super) async fn train(
         Ok(Trained { model: Model::Objects(Box::new(model)), report, counts })
     };
     let (trained, eigenspace_ms) = worker.alone("eigenspace", fit).await?;
-    Ok((trained, ReportTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: None }))
+    Ok((trained, TrainingTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: None }))
 }
 
 #[cfg(test)]
@@ -202,7 +220,10 @@ mod tests {
         let rows: Vec<ExemplarRow> = (0..255).map(|n| row(n, 4000, 3000)).collect();
         assert_eq!(UnfitExemplars::among(&rows, &raw), None, "shrunk to 1024 px they fit");
         let many: Vec<ExemplarRow> = rows.iter().cycle().take(800).cloned().collect();
-        assert_eq!(UnfitExemplars::among(&many, &raw).map(|unfit| unfit.code()), Some("training_too_large"));
+        assert_eq!(
+            UnfitExemplars::among(&many, &raw).map(|unfit| unfit.code()),
+            Some(Code::TrainingTooLarge)
+        );
         assert_eq!(UnfitExemplars::among(&many, &ObjectOptions::default()), None);
     }
 

@@ -5,14 +5,19 @@
 mod cluster;
 
 use std::collections::HashSet;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 use futures_util::future::{join_all, try_join_all};
 
 use self::cluster::{Cluster, Stop};
 use super::*;
+use crate::store::catalogue::open_postgres;
+use crate::store::query::Connection;
+use crate::store::session::{Backend, transaction};
 use crate::store::suite::{by, catalogue_suite};
+use crate::store::tables::databases;
+use crate::store::{AliasExpectation, Catalogue, JobFilter, NewVersion};
 
 const LEASE: Duration = Duration::from_secs(60);
 const TRAINING: &[&str] = &["training"];
@@ -20,7 +25,7 @@ const TRAINING: &[&str] = &["training"];
 /// One for all tests that don't stop it; it ends with the process.
 static CLUSTER: LazyLock<Cluster> = LazyLock::new(Cluster::start_new);
 
-async fn empty() -> (Arc<dyn Catalogue>, ()) {
+async fn empty() -> (Arc<Catalogue>, ()) {
     let (catalogue, _) = open_postgres(&CLUSTER.create_database()).await.unwrap();
     // Every connection is there before a promise begins: one drops hundreds of calls, which would begin as many.
     for opened in join_all((0..CONNECTIONS).map(|_| catalogue.ping())).await {
@@ -30,11 +35,18 @@ async fn empty() -> (Arc<dyn Catalogue>, ()) {
 }
 
 /// Two processes' views of one empty catalogue, with a database.
-async fn two(cluster: &Cluster) -> [Arc<dyn Catalogue>; 2] {
+async fn two(cluster: &Cluster) -> [Arc<Catalogue>; 2] {
     let address = cluster.create_database();
     let both = [open_postgres(&address).await.unwrap().0, open_postgres(&address).await.unwrap().0];
     both[0].create_database("lab", "landmarks", "{}", by()).await.unwrap();
     both
+}
+
+fn pool(catalogue: &Catalogue) -> &PgPool {
+    match &catalogue.backend {
+        Backend::Postgres(server) => &server.pool,
+        Backend::Sqlite(file) => panic!("{file:?} is no server"),
+    }
 }
 
 fn artifact(digest: &str) -> NewVersion {
@@ -245,11 +257,11 @@ async fn calls_fail_soon_while_postgres_is_away_and_work_again_when_it_is_back()
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
     let address = CLUSTER.create_database();
-    let (catalogue, _) = PostgresCatalogue::open(&address).await.unwrap();
+    let (catalogue, _) = open_postgres(&address).await.unwrap();
     catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
     // Somebody holds the row; who waits for it is cut off, and then the call after it succeeds.
-    let mut holder = catalogue.pool.begin().await.unwrap();
-    databases::lock(&mut holder, "lab").await.unwrap();
+    let mut holder = pool(&catalogue).begin().await.unwrap();
+    databases::lock(&mut Connection::from(&mut *holder), "lab").await.unwrap();
     let new = artifact("d1");
     let cut = async {
         tokio::time::sleep(Duration::from_millis(300)).await;
@@ -257,7 +269,7 @@ async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
             "SELECT pg_terminate_backend(pid) FROM pg_stat_activity
              WHERE datname = current_database() AND wait_event_type = 'Lock'",
         )
-        .execute(&catalogue.pool)
+        .execute(pool(&catalogue))
         .await
         .unwrap();
     };
@@ -274,32 +286,32 @@ async fn a_connection_cut_in_the_middle_of_a_transaction_leaves_nothing() {
 
 #[tokio::test]
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
-async fn a_deadlock_is_begun_anew() {
-    let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
+async fn a_call_that_deadlocks_is_tried_again() {
+    let (catalogue, _) = open_postgres(&CLUSTER.create_database()).await.unwrap();
     for name in ["a", "b"] {
         catalogue.create_database(name, "landmarks", "{}", by()).await.unwrap();
     }
     // Against the order on purpose: each has one row and wants the other.
     let cross = async |first: &'static str, second: &'static str| -> Result<u32, CatalogueError> {
-        let mut turns = 0;
+        let mut attempts_made = 0;
         transaction!(catalogue, c => {
-            turns += 1;
+            attempts_made += 1;
             databases::lock(c, first).await?;
             tokio::time::sleep(Duration::from_millis(200)).await;
             databases::lock(c, second).await?;
-            Ok(turns)
+            Ok(attempts_made)
         })
     };
     let (one, other) = tokio::join!(cross("a", "b"), cross("b", "a"));
     // One is given up, or both in turn.
-    let turns = one.unwrap() + other.unwrap();
-    assert!(turns > 2, "they never met: {turns}");
+    let attempts_made = one.unwrap() + other.unwrap();
+    assert!(attempts_made > 2, "they never met: {attempts_made}");
 }
 
 #[tokio::test]
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn a_column_that_a_newer_release_adds_breaks_no_call_of_this_one() {
-    let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
+    let (catalogue, _) = open_postgres(&CLUSTER.create_database()).await.unwrap();
     let calls = async || {
         catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
         catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
@@ -307,58 +319,64 @@ async fn a_column_that_a_newer_release_adds_breaks_no_call_of_this_one() {
     };
     assert_eq!(calls().await, 1);
     for addition in ["ALTER TABLE jobs ADD COLUMN hue TEXT", "ALTER TABLE databases ADD COLUMN hue TEXT"] {
-        sqlx::query(addition).execute(&catalogue.pool).await.unwrap();
+        sqlx::query(addition).execute(pool(&catalogue)).await.unwrap();
     }
     assert_eq!(calls().await, 2);
 }
 
 #[tokio::test]
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
-async fn another_process_is_told_soon_and_after_a_lost_connection() {
+async fn another_process_is_notified_soon_and_after_a_lost_connection() {
     let cluster = Cluster::start_new();
     let [here, there] = two(&cluster).await;
     here.insert_version(&artifact("d1"), by()).await.unwrap();
     // What comes while the listener connects is over.
     tokio::time::sleep(Duration::from_millis(500)).await;
 
-    let mut hints = there.hints();
-    let mut told = async |what: &str, began: Instant| {
+    let mut changes = there.change_notifications();
+    let mut notified = async |what: &str, began: Instant| {
         let limit = Duration::from_millis(500);
-        timeout(limit, hints.changed()).await.unwrap_or_else(|_| panic!("no hint: {what}")).unwrap();
-        println!("{what}: done and told within {:?}", began.elapsed());
-        hints.mark_unchanged();
+        timeout(limit, changes.changed())
+            .await
+            .unwrap_or_else(|_| panic!("no notification: {what}"))
+            .unwrap();
+        println!("{what}: done and notified within {:?}", began.elapsed());
+        changes.mark_unchanged();
     };
     let began = Instant::now();
     here.set_alias("lab", "current", 1, AliasExpectation::Any, by()).await.unwrap();
-    told("an alias was moved", began).await;
+    notified("an alias was moved", began).await;
     let began = Instant::now();
     let job = here.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-    told("a job was queued", began).await;
+    notified("a job was queued", began).await;
     let claimed = here.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     let began = Instant::now();
     here.request_cancel(job.id, by()).await.unwrap();
-    told("a job was asked to end", began).await;
+    notified("a job was asked to end", began).await;
     here.cancelled_job(job.id, claimed.token).await.unwrap();
     let began = Instant::now();
     here.delete_alias("lab", "current", AliasExpectation::Any, by()).await.unwrap();
-    told("an alias was deleted", began).await;
+    notified("an alias was deleted", began).await;
     let began = Instant::now();
     here.delete_database("lab", by()).await.unwrap();
-    told("a database was deleted", began).await;
+    notified("a database was deleted", began).await;
 
     for how in [Stop::Fast, Stop::Immediate] {
-        let mut hints = there.hints();
+        let mut changes = there.change_notifications();
         cluster.stop(how);
         tokio::time::sleep(Duration::from_secs(1)).await;
-        assert!(!hints.has_changed().unwrap());
+        assert!(!changes.has_changed().unwrap());
         cluster.start();
         let began = Instant::now();
-        timeout(Duration::from_secs(4), hints.changed()).await.expect("a hint after the return").unwrap();
+        timeout(Duration::from_secs(4), changes.changed())
+            .await
+            .expect("a notification after the return")
+            .unwrap();
         println!("listening again {:?} after the return", began.elapsed());
-        hints.mark_unchanged();
+        changes.mark_unchanged();
         here.create_database("lab", "landmarks", "{}", by()).await.unwrap();
         here.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-        timeout(Duration::from_millis(500), hints.changed()).await.expect("a hint").unwrap();
+        timeout(Duration::from_millis(500), changes.changed()).await.expect("a notification").unwrap();
     }
 }
 
@@ -386,8 +404,8 @@ async fn what_hinders_the_opening_is_told_apart() {
         assert!(began.elapsed() < Duration::from_secs(3));
     }
 
-    let (catalogue, _) = PostgresCatalogue::open(&address).await.unwrap();
-    sqlx::query("CREATE ROLE guest LOGIN").execute(&catalogue.pool).await.unwrap();
+    let (catalogue, _) = open_postgres(&address).await.unwrap();
+    sqlx::query("CREATE ROLE guest LOGIN").execute(pool(&catalogue)).await.unwrap();
     let database = address.split(['/', '?']).nth(3).unwrap();
     let refused = error(&CLUSTER.address("guest", database)).await;
     assert!(matches!(refused, Refused(_)), "{refused:?}");
@@ -395,7 +413,7 @@ async fn what_hinders_the_opening_is_told_apart() {
         "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
          VALUES (9000, 'of the future', TRUE, '', 0)",
     )
-    .execute(&catalogue.pool)
+    .execute(pool(&catalogue))
     .await
     .unwrap();
     let refused = error(&address).await;
@@ -407,29 +425,31 @@ async fn what_hinders_the_opening_is_told_apart() {
 #[tokio::test]
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn what_cannot_be_kept_or_cannot_be_ours_is_told_apart() {
-    let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
+    let (catalogue, _) = open_postgres(&CLUSTER.create_database()).await.unwrap();
     catalogue.create_database("lab", "landmarks", "{}", by()).await.unwrap();
     let refused = catalogue.enqueue_job("training", "lab", "a\0b", by()).await.unwrap_err();
     assert!(matches!(refused, CatalogueError::Conflict { .. }), "{refused:?}");
 
     catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-    sqlx::query("UPDATE jobs SET attempts = -1").execute(&catalogue.pool).await.unwrap();
+    sqlx::query("UPDATE jobs SET attempts = -1").execute(pool(&catalogue)).await.unwrap();
     let refused = catalogue.jobs(&JobFilter::default(), None, 9).await.unwrap_err();
     assert!(
         matches!(&refused, CatalogueError::Corrupt { what, .. } if what == "attempts is -1"),
         "{refused:?}"
     );
 
-    let mut transaction = catalogue.pool.begin().await.unwrap();
+    let mut transaction = pool(&catalogue).begin().await.unwrap();
     sqlx::query("SET TRANSACTION READ ONLY").execute(&mut *transaction).await.unwrap();
-    let refused = databases::create(&mut transaction, "other", "landmarks", "{}").await.unwrap_err();
+    let refused = databases::create(&mut Connection::from(&mut *transaction), "other", "landmarks", "{}")
+        .await
+        .unwrap_err();
     assert!(matches!(refused, CatalogueError::Unavailable { .. }), "{refused:?}");
 }
 
 #[tokio::test]
 #[ignore = "needs PostgreSQL's programs; run by .ci/run"]
 async fn a_process_has_a_bounded_number_of_connections() {
-    let (catalogue, _) = PostgresCatalogue::open(&CLUSTER.create_database()).await.unwrap();
+    let (catalogue, _) = open_postgres(&CLUSTER.create_database()).await.unwrap();
     join_all((0..100).map(|number| {
         let (catalogue, name) = (&catalogue, format!("lab{number}"));
         async move { catalogue.create_database(&name, "landmarks", "{}", by()).await.unwrap() }
@@ -439,7 +459,7 @@ async fn a_process_has_a_bounded_number_of_connections() {
         "SELECT count(*) FROM pg_stat_activity
          WHERE datname = current_database() AND application_name = 'landmarkd'",
     )
-    .fetch_one(&catalogue.pool)
+    .fetch_one(pool(&catalogue))
     .await
     .unwrap();
     assert!(open <= i64::from(CONNECTIONS) + 1, "{open}");

@@ -8,19 +8,17 @@ use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{Connection, Sqlite, Transaction};
+use sqlx::{Connection, Sqlite, SqliteConnection, Transaction};
 use tokio::sync::RwLock;
-
-use super::super::row::is_read_only;
 
 /// Readers beside the one writer: recognition reads no rows, so these serve lists and readiness only.
 const READERS: u32 = 4;
 
-/// How long a call waits for its turn before it is `Unavailable`.
-const TURN_TIMEOUT: Duration = Duration::from_secs(10);
+/// How long a call waits for a connection before it is `Unavailable`.
+const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// What the write-ahead log is cut to when it begins anew. It begins anew every thousand pages (4 MiB) or so, later
-/// only while somebody copies the catalogue.
+/// What the write-ahead log is truncated to at a checkpoint. There is one every thousand pages (4 MiB) or so, and none
+/// while the catalogue is being copied.
 const MAX_IDLE_LOG_BYTES: &str = "67108864";
 
 /// How long SQLite waits for another program that holds the file, a backup for instance.
@@ -40,8 +38,8 @@ struct Pools {
 }
 
 impl Pools {
-    /// Connections are opened when they are needed first.
-    fn to(path: &Path, create: bool) -> Self {
+    /// Pools that open their connections when they are first needed.
+    fn new(path: &Path, create: bool) -> Self {
         let readers = options(path).pragma("query_only", "ON");
         Self {
             writer: pool(1).connect_lazy_with(options(path).create_if_missing(create)),
@@ -49,7 +47,7 @@ impl Pools {
         }
     }
 
-    /// Ends the connections, each when it is given back.
+    /// Closes the connections, each when it is returned.
     async fn close(&self) {
         self.readers.close().await;
         self.writer.close().await;
@@ -59,7 +57,7 @@ impl Pools {
 impl Connections {
     /// Connections to the file; `create` makes it if it isn't there.
     pub async fn open(path: &Path, create: bool) -> Result<Self, sqlx::Error> {
-        let pools = Pools::to(path, create);
+        let pools = Pools::new(path, create);
         pools.writer.acquire().await?;
         Ok(Self { path: path.to_owned(), pools: RwLock::new(pools) })
     }
@@ -70,52 +68,44 @@ impl Connections {
         migrations.run(&writer).await
     }
 
-    /// The one connection that writes, outside a transaction.
+    /// The one connection that writes.
     pub async fn writer(&self) -> Result<PoolConnection<Sqlite>, sqlx::Error> {
         self.pools.read().await.writer.acquire().await
     }
 
     /// A connection that reads.
-    pub async fn read(&self) -> Result<PoolConnection<Sqlite>, sqlx::Error> {
+    pub async fn reader(&self) -> Result<PoolConnection<Sqlite>, sqlx::Error> {
         self.pools.read().await.readers.acquire().await
     }
 
-    /// Begins a transaction that writes; dropped without a commit, it is rolled back.
-    pub async fn write(&self) -> Result<Transaction<'static, Sqlite>, sqlx::Error> {
-        match self.begin().await {
-            Err(error) if is_read_only(&error) && self.takes_files() => {
-                self.open_anew().await;
-                self.begin().await
-            }
-            begun => begun,
-        }
-    }
-
-    async fn begin(&self) -> Result<Transaction<'static, Sqlite>, sqlx::Error> {
-        let mut transaction = self.pools.read().await.writer.begin_with("BEGIN IMMEDIATE").await?;
-        // On a file that could be opened for reading only that began a transaction that only reads: this would write.
-        sqlx::query("DELETE FROM jobs WHERE FALSE").execute(&mut *transaction).await?;
-        Ok(transaction)
-    }
-
-    /// What SQLite opened while the disk took no writes stays open for reading only: the file itself, by connection,
-    /// and the log's index, by process, as long as any connection is left. So all of them go, once the disk is well.
-    async fn open_anew(&self) {
+    /// Closes all connections and opens the file again.
+    ///
+    /// What SQLite opened while the disk took no writes stays open for reading only: the file itself as long as its
+    /// connection, and the log's index as long as any connection of the process.
+    pub async fn reopen(&self) {
         let mut pools = self.pools.write().await;
         pools.close().await;
-        *pools = Pools::to(&self.path, false);
+        *pools = Pools::new(&self.path, false);
     }
 
-    /// Whether files can be made beside the catalogue again. While they can't, what is open can at least be read.
-    fn takes_files(&self) -> bool {
+    /// Whether a file can be created beside the catalogue. While none can, what is open can at least be read.
+    pub fn takes_files(&self) -> bool {
         let probe = self.path.with_extension("probe");
         std::fs::write(&probe, "probe").and_then(|()| std::fs::remove_file(&probe)).is_ok()
     }
 
-    /// Ends all connections; the last one takes the write-ahead log with it.
+    /// Closes all connections; the last one removes the write-ahead log.
     pub async fn close(&self) {
         self.pools.read().await.close().await;
     }
+}
+
+/// Begins a transaction that writes at once, so that it can't find out halfway that it may not.
+pub async fn begin(connection: &mut SqliteConnection) -> Result<Transaction<'_, Sqlite>, sqlx::Error> {
+    let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await?;
+    // On a file that could be opened for reading only, that began a transaction that only reads: this fails there.
+    sqlx::query("DELETE FROM jobs WHERE FALSE").execute(&mut *transaction).await?;
+    Ok(transaction)
 }
 
 fn options(path: &Path) -> SqliteConnectOptions {
@@ -132,14 +122,14 @@ fn options(path: &Path) -> SqliteConnectOptions {
 fn pool(connections: u32) -> SqlitePoolOptions {
     SqlitePoolOptions::new()
         .max_connections(connections)
-        .acquire_timeout(TURN_TIMEOUT)
+        .acquire_timeout(ACQUIRE_TIMEOUT)
         .idle_timeout(None)
         .max_lifetime(None)
-        // When the disk fails, SQLite may end a transaction by itself; the driver then finds nothing to roll back, takes
-        // it for open still, and would never begin another one.
+        // When the disk fails, SQLite may end a transaction by itself. The driver then finds nothing to roll back, takes
+        // the transaction to be open still, and would never begin another one.
         .after_release(|connection, _| {
             Box::pin(async move {
-                // Behind whatever is being rolled back.
+                // Runs after a rollback that is still under way.
                 connection.ping().await?;
                 Ok(!connection.is_in_transaction())
             })

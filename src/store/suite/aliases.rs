@@ -54,10 +54,10 @@ pub async fn an_alias_moves_only_from_the_expected_revision(catalogue: Shared) {
     assert!(!delete(Any).await.unwrap());
     assert!(matches!(delete(Revision(second.revision)).await, Err(CatalogueError::PreconditionFailed)));
 
-    // Made anew, it repeats no revision, so a compare against the old one can't succeed by chance.
-    let (anew, created) = set(1, Absent).await.unwrap();
+    // Created again, it repeats no revision, so a compare against the old one can't succeed by chance.
+    let (recreated, created) = set(1, Absent).await.unwrap();
     assert!(created);
-    assert!(anew.revision > second.revision);
+    assert!(recreated.revision > second.revision);
 }
 
 pub async fn under_contention_every_alias_revision_has_one_winner(catalogue: Shared) {

@@ -1,6 +1,6 @@
-//! What the blobs promise wherever they are, written against `Blobs` alone.
+//! The behaviour of the blobs, wherever they are.
 //!
-//! A place runs it with `blob_suite!(open, attribute)`, where `open` gives an empty store and the attribute goes to
+//! A folder or a bucket runs it with `blob_suite!(open, attribute)`, where `open` gives an empty store and the attribute goes to
 //! every test.
 
 use bytes::Bytes;
@@ -18,7 +18,7 @@ pub struct Opened {
 /// Replaces what stands under a name.
 pub type Damage = Box<dyn Fn(BlobName, &[u8]) + Send + Sync>;
 
-/// Makes one test of every promise.
+/// Makes a test of each function of the suite.
 macro_rules! blob_suite {
     ($open:path, $attribute:meta) => {
         $crate::store::suite::blobs::blob_suite! { @each $open, $attribute:

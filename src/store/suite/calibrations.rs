@@ -23,7 +23,7 @@ pub async fn a_calibration_is_replaced_only_from_the_expected_revision(catalogue
 
     assert!(catalogue.delete_calibration("rig", by()).await.unwrap());
     assert!(!catalogue.delete_calibration("rig", by()).await.unwrap());
-    // Made anew, it repeats no revision.
+    // Created again, it repeats no revision.
     assert!(put("{}", None).await.unwrap().revision > second.revision);
 }
 

@@ -1,4 +1,4 @@
-//! Jobs: claimed once, leased, ended once, told as events.
+//! Jobs: claimed once, leased, ended once, recorded as events.
 
 use std::collections::HashSet;
 
@@ -102,7 +102,7 @@ pub async fn a_job_that_never_finishes_fails_with_the_reason(catalogue: Shared) 
     assert!(problem["detail"].as_str().unwrap().contains("2 times"), "{problem}");
 }
 
-pub async fn a_queued_job_is_cancelled_at_once_and_a_running_one_is_told(catalogue: Shared) {
+pub async fn a_queued_job_is_cancelled_at_once_and_a_running_one_is_flagged(catalogue: Shared) {
     lab(&catalogue).await;
     assert_eq!(catalogue.request_cancel(Uuid::from_u128(1), by()).await.unwrap(), None);
 
@@ -117,8 +117,8 @@ pub async fn a_queued_job_is_cancelled_at_once_and_a_running_one_is_told(catalog
     assert_eq!(job.id, id);
     let renew = async || catalogue.renew_job(id, job.token, LEASE, None).await.unwrap();
     assert_eq!(renew().await, Renewal { cancel_requested: false });
-    let told = catalogue.request_cancel(id, by()).await.unwrap().unwrap();
-    assert_eq!((told.state, told.cancel_requested), (JobState::Running, true));
+    let flagged = catalogue.request_cancel(id, by()).await.unwrap().unwrap();
+    assert_eq!((flagged.state, flagged.cancel_requested), (JobState::Running, true));
     assert_eq!(renew().await, Renewal { cancel_requested: true });
     let cancelled = catalogue.cancelled_job(id, job.token).await.unwrap();
     assert_eq!((cancelled.state, cancelled.problem), (JobState::Cancelled, None));
@@ -274,7 +274,7 @@ pub async fn every_change_of_state_or_progress_is_an_event(catalogue: Shared) {
     let published = catalogue.publish(id, job.token, &artifact("lab", "d1"), None, None).await.unwrap();
 
     let events = catalogue.job_events(id, 0).await.unwrap();
-    let told: Vec<_> = events
+    let recorded: Vec<_> = events
         .iter()
         .map(|event| {
             let done = event.body.progress.as_ref().map(|progress| progress.done);
@@ -282,7 +282,7 @@ pub async fn every_change_of_state_or_progress_is_an_event(catalogue: Shared) {
         })
         .collect();
     assert_eq!(
-        told,
+        recorded,
         [
             (1, JobState::Queued, None, None),
             (2, JobState::Running, None, None),

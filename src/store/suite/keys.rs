@@ -22,10 +22,10 @@ pub async fn a_key_is_kept_and_ends_once(catalogue: Shared) {
     assert_eq!((made.name.as_str(), made.scope.as_str()), ("robot 7", "contribute"));
     assert_eq!((made.last_used_at, made.revoked_at), (None, None));
     let used = made.created_at;
-    catalogue.note_key_uses(&[("a".to_owned(), used), ("nobody".to_owned(), used)]).await.unwrap();
+    catalogue.record_key_uses(&[("a".to_owned(), used), ("nobody".to_owned(), used)]).await.unwrap();
     // An older use is no news.
     let older = jiff::Timestamp::from_microsecond(used.as_microsecond() - 5).unwrap();
-    catalogue.note_key_uses(&[("a".to_owned(), older)]).await.unwrap();
+    catalogue.record_key_uses(&[("a".to_owned(), older)]).await.unwrap();
     assert_eq!(catalogue.revoke_key("b", by()).await.unwrap(), Some(true));
     assert_eq!(catalogue.revoke_key("b", by()).await.unwrap(), Some(false));
     assert_eq!(catalogue.revoke_key("c", by()).await.unwrap(), None);
@@ -36,9 +36,9 @@ pub async fn a_key_is_kept_and_ends_once(catalogue: Shared) {
     assert!(keys[1].revoked_at.is_some() && keys[1].databases.is_none());
     let mut record = catalogue.audit(&AuditFilter::default(), None, 9).await.unwrap();
     record.reverse();
-    let told: Vec<_> = record.iter().map(|row| (row.action.as_str(), row.subject.as_deref())).collect();
+    let recorded: Vec<_> = record.iter().map(|row| (row.action.as_str(), row.subject.as_deref())).collect();
     let [a, b] = ["a", "b"].map(Some);
-    assert_eq!(told, [("key.create", a), ("key.create", b), ("key.revoke", b)]);
+    assert_eq!(recorded, [("key.create", a), ("key.create", b), ("key.revoke", b)]);
     assert!(record.iter().all(|row| !row.detail.contains(&key("a").hash)), "the record holds no hash");
 }
 
@@ -63,11 +63,11 @@ pub async fn a_change_and_its_entry_are_one_transaction(catalogue: Shared) {
 
     let every = AuditFilter::default();
     let record = catalogue.audit(&every, None, 100).await.unwrap();
-    let told: Vec<_> =
+    let recorded: Vec<_> =
         record.iter().rev().map(|row| (row.action.as_str(), row.actor.name.as_str())).collect();
     let worker = format!("job {}", job.id);
     assert_eq!(
-        told,
+        recorded,
         [
             ("database.create", "tester"),
             ("version.import", "tester"),

@@ -1,7 +1,7 @@
-//! What every catalogue promises, written against the trait alone; and what the blobs promise, in `blobs`.
+//! The behaviour of the catalogue, whichever database keeps it; and the behaviour of the blobs, in `blobs`.
 //!
-//! An implementation runs it with `catalogue_suite!(open)`, where `open` gives an empty catalogue and whatever
-//! must stay alive with it, and an attribute for every test may follow. One file a noun; what is about several of them stands here.
+//! A database runs it with `catalogue_suite!(open)`, where `open` gives an empty catalogue and a value that must stay alive
+//! with it, and an attribute for every test may follow. One file for each table; tests about several of them are here.
 
 mod aliases;
 pub(super) mod blobs;
@@ -35,7 +35,7 @@ const LEASE: Duration = Duration::from_secs(60);
 const NO_LEASE: Duration = Duration::ZERO;
 const TRAINING: &[&str] = &["training"];
 
-/// Makes one test of every promise.
+/// Makes a test of each function of the suite.
 macro_rules! catalogue_suite {
     ($open:path $(, #[$attribute:meta])?) => {
         $crate::store::suite::catalogue_suite! { @each $open, [$(#[$attribute])?]:
@@ -55,7 +55,7 @@ macro_rules! catalogue_suite {
             the_oldest_waiting_job_of_a_kind_is_claimed_first
             a_worker_that_lost_its_lease_can_finish_nothing
             a_job_that_never_finishes_fails_with_the_reason
-            a_queued_job_is_cancelled_at_once_and_a_running_one_is_told
+            a_queued_job_is_cancelled_at_once_and_a_running_one_is_flagged
             a_cancelled_job_of_a_dead_worker_is_not_taken_up_again
             publishing_moves_version_alias_and_job_together
             a_publish_that_fails_changes_nothing
@@ -65,7 +65,7 @@ macro_rules! catalogue_suite {
             every_change_of_state_or_progress_is_an_event
             jobs_come_newest_first_and_are_counted_by_state
             a_blob_is_referenced_while_a_row_names_it
-            one_at_a_time_has_the_turn_to_collect
+            one_at_a_time_may_collect_orphans
             the_digests_of_many_versions_come_in_one_answer
             a_calibration_is_replaced_only_from_the_expected_revision
             calibrations_come_in_pages_by_name
@@ -77,7 +77,7 @@ macro_rules! catalogue_suite {
             a_key_is_kept_and_ends_once
             a_change_and_its_entry_are_one_transaction
             a_call_dropped_midway_leaves_the_catalogue_whole
-            what_others_wait_for_is_hinted_at
+            a_change_that_others_wait_for_is_notified
         }
     };
     (@each $open:path, $attributes:tt: $($promise:ident)+) => {
@@ -94,7 +94,7 @@ macro_rules! catalogue_suite {
 }
 pub(super) use catalogue_suite;
 
-type Shared = Arc<dyn Catalogue>;
+type Shared = Arc<Catalogue>;
 
 fn exemplar(database: &str, number: u128, label: &str) -> ExemplarRow {
     ExemplarRow {
@@ -174,19 +174,19 @@ async fn is_referenced(catalogue: &Shared, blob: &str) -> bool {
     !catalogue.blobs_referenced(&[blob.to_owned()]).await.unwrap().is_empty()
 }
 
-pub async fn one_at_a_time_has_the_turn_to_collect(catalogue: Shared) {
-    let turn = catalogue.turn_to_collect().await.unwrap();
-    assert!(turn.is_some());
-    assert!(catalogue.turn_to_collect().await.unwrap().is_none());
-    drop(turn);
+pub async fn one_at_a_time_may_collect_orphans(catalogue: Shared) {
+    let guard = catalogue.try_lock_collection().await.unwrap();
+    assert!(guard.is_some());
+    assert!(catalogue.try_lock_collection().await.unwrap().is_none());
+    drop(guard);
     for _ in 0..500 {
-        if catalogue.turn_to_collect().await.unwrap().is_some() {
+        if catalogue.try_lock_collection().await.unwrap().is_some() {
             return;
         }
         // PostgreSQL notices a closed connection a moment later.
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
-    panic!("the turn is never free again");
+    panic!("the lock is never free again");
 }
 
 pub async fn the_digests_of_many_versions_come_in_one_answer(catalogue: Shared) {
@@ -233,25 +233,28 @@ pub async fn a_call_dropped_midway_leaves_the_catalogue_whole(catalogue: Shared)
     assert_eq!(numbers(&catalogue).await, (1..=last.version).collect::<Vec<_>>());
 }
 
-pub async fn what_others_wait_for_is_hinted_at(catalogue: Shared) {
+pub async fn a_change_that_others_wait_for_is_notified(catalogue: Shared) {
     lab(&catalogue).await;
     catalogue.insert_version(&artifact("lab", "d1"), by()).await.unwrap();
-    let mut hints = catalogue.hints();
-    let mut hinted = async || {
-        tokio::time::timeout(Duration::from_secs(5), hints.changed()).await.expect("a hint").unwrap();
-        hints.mark_unchanged();
+    let mut changes = catalogue.change_notifications();
+    let mut notified = async || {
+        tokio::time::timeout(Duration::from_secs(5), changes.changed())
+            .await
+            .expect("a notification")
+            .unwrap();
+        changes.mark_unchanged();
     };
     catalogue.set_alias("lab", "current", 1, AliasExpectation::Any, by()).await.unwrap();
-    hinted().await;
+    notified().await;
     let queued = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-    hinted().await;
+    notified().await;
     catalogue.request_cancel(queued.id, by()).await.unwrap();
-    hinted().await;
+    notified().await;
     catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap();
-    hinted().await;
+    notified().await;
     let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
     catalogue.publish(job.id, job.token, &artifact("lab", "d2"), Some("current"), None).await.unwrap();
-    hinted().await;
+    notified().await;
     catalogue.delete_database("lab", by()).await.unwrap();
-    hinted().await;
+    notified().await;
 }

@@ -1,28 +1,27 @@
-//! Making both pictures equally bright, place by place: apertures, sensors and vignettes differ.
+//! Makes both pictures equally bright, place by place: apertures, sensors and vignettes differ.
 //!
-//! Offsets must be gone before (dark levels): a ratio of brightness can't see them.
+//! Expects pictures without offsets (dark levels): a ratio of brightness doesn't show them.
 
 use super::windows::{Means, Planes};
 use crate::imaging::Image;
+use crate::statistics::median;
 
 /// Window of the local brightness in pixels: wide enough that blur doesn't change its mean.
 const WINDOW_PX: f64 = 16.0;
-/// Added to both means: black stays black.
+/// Added to both means, so that the ratio stays finite in the dark.
 const PEDESTAL: f32 = 1.0;
 
 /// The far picture times the ratio of the local means, and the median of that ratio.
 pub(super) fn matched(near: &Image, far: &Image) -> (Image, f64) {
     let (width, height) = (near.width(), near.height());
     let rows = Planes { width, planes: [near.pixels(), far.pixels()] };
-    let means = Means::up_to(&rows, width, height, WINDOW_PX);
+    let means = Means::over(&rows, width, height, WINDOW_PX);
     let ratios: Vec<f32> = means.planes[0]
         .iter()
         .zip(&means.planes[1])
         .map(|(n, f)| (n.max(0.0) + PEDESTAL) / (f.max(0.0) + PEDESTAL))
         .collect();
-    let mut sorted = ratios.clone();
-    let middle = sorted.len() / 2;
-    let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f32::total_cmp);
+    let median = median(&mut ratios.clone(), f32::total_cmp).unwrap_or(1.0);
 
     let mut out = far.clone();
     let mut along = vec![0.0; means.width];

@@ -1,4 +1,4 @@
-//! A depth map: distance, expected error and flags of every pixel of the near-focused picture, and what it says as a
+//! A depth map: distance, expected error and flags of every pixel of the near-focused picture, and figures of the
 //! whole.
 
 use super::Optics;
@@ -7,7 +7,7 @@ use super::Optics;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Flag {
-    /// Too little to go by: an expected error above 2 % of the range, or no more detail than noise.
+    /// Too little texture: an expected error above 2 % of the range, or no more detail than noise.
     LowTexture = 1,
     /// Full scale within 8 px in either picture.
     Saturated = 2,
@@ -23,14 +23,10 @@ pub enum Flag {
 
 impl Flag {
     /// Every flag, by its bit.
-    pub const ALL: [Flag; 6] = [
-        Flag::LowTexture,
-        Flag::Saturated,
-        Flag::OutOfRange,
-        Flag::Inconsistent,
-        Flag::Border,
-        Flag::Ambiguous,
-    ];
+    pub const ALL: [Flag; 6] = {
+        use Flag::*;
+        [LowTexture, Saturated, OutOfRange, Inconsistent, Border, Ambiguous]
+    };
 
     /// Its bit in a pixel's flags.
     pub const fn bit(self) -> u8 {
@@ -55,7 +51,7 @@ impl Flag {
 pub enum Warning {
     /// The pictures were more than 0.25 px apart, and were brought together.
     Shifted,
-    /// No shift could be looked for: the texture doesn't fix one.
+    /// No shift could be measured: the texture doesn't fix one.
     ShiftUnknown,
     /// The pictures' brightness differs by more than 3 %.
     GainOff,
@@ -63,7 +59,7 @@ pub enum Warning {
     ManyInconsistent,
     /// Fewer than 5 % of the pixels have a depth.
     LowCoverage,
-    /// The scales of the pictures say that near and far are exchanged.
+    /// By the scales of the pictures, near and far are exchanged.
     NearFarSwapped,
 }
 
@@ -81,15 +77,18 @@ impl Warning {
     }
 }
 
-/// The least, the middle and the largest depth, in mm.
+/// The least, the median and the largest depth, in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthSpan {
+    /// The least depth.
     pub min: f64,
+    /// The upper median of the depths.
     pub median: f64,
+    /// The largest depth.
     pub max: f64,
 }
 
-/// What a depth map says as a whole.
+/// Figures of a whole depth map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The distance that the near-focused picture is focused at, in mm.
@@ -100,7 +99,7 @@ pub struct Summary {
     pub coverage: f64,
     /// `None` if no pixel has a depth.
     pub depth: Option<DepthSpan>,
-    /// Noise of a picture in grey levels of 255, estimated from the residual (`gram` only).
+    /// Noise of a picture in gray levels of 255, estimated from the residual (`gram` only).
     pub noise_sigma: Option<f64>,
     /// By how much the far-focused picture was displaced and has been moved back, x and y.
     pub shift_px: [f64; 2],
@@ -108,6 +107,7 @@ pub struct Summary {
     pub gain: f64,
     /// Pixels with each flag, in the order of [`Flag::ALL`].
     pub flag_counts: [u64; 6],
+    /// Doubts about the whole map, in the order in which they arise.
     pub warnings: Vec<Warning>,
 }
 
@@ -120,6 +120,7 @@ pub struct DepthMap {
     pub(super) sigma_mm: Vec<f32>,
     pub(super) flags: Vec<u8>,
     pub(super) optics: Optics,
+    /// Figures of the whole map.
     pub summary: Summary,
 }
 
@@ -140,7 +141,7 @@ impl DepthMap {
     }
 
     /// Expected standard deviation of each depth in mm; NaN where there is none (the method has no model of its error,
-    /// or there is nothing to go by).
+    /// or the texture is too weak).
     pub fn sigma_mm(&self) -> &[f32] {
         &self.sigma_mm
     }

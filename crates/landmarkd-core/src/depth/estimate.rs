@@ -1,42 +1,39 @@
-//! What a method says of a pair, before calibration and lens law: β on a grid, with its evidence.
+//! What a method measures of a pair, before calibration and lens law: β on a grid, with its evidence.
 
-/// β at every `step`-th pixel of the pictures the method worked on.
+/// What a method measured at one point of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// β, but for `laplacian` a difference of energies.
+    pub(super) beta: f32,
+    /// Standard deviation of `beta`; infinite without a measurement, NaN where the method has no model of its error.
+    pub(super) sigma: f32,
+    /// How badly one depth explains the window: at most 1 if it does.
+    pub(super) misfit: f32,
+    /// Whether the texture suffices, but two depths explain it.
+    pub(super) ambiguous: bool,
+}
+
+impl Sample {
+    /// No measurement.
+    pub(super) const UNKNOWN: Sample =
+        Sample { beta: 0.0, sigma: f32::INFINITY, misfit: 0.0, ambiguous: false };
+}
+
+/// Samples at every `step`-th pixel of the pictures that the method worked on.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
     pub(super) width: usize,
     pub(super) height: usize,
     /// Pixels between neighbours of the grid.
     pub(super) step: usize,
-    /// What the method measured: β, but for `laplacian` a difference of energies.
-    pub(super) beta: Vec<f32>,
-    /// Its standard deviation; infinite where there is nothing to go by, NaN where the method has no model of it.
-    pub(super) sigma: Vec<f32>,
-    /// How badly one depth explains the window: 1 or less if it does.
-    pub(super) misfit: Vec<f32>,
-    /// Whether there would be enough to go by, but for a second answer.
-    pub(super) ambiguous: Vec<bool>,
+    /// `width` × `height`, row-major.
+    pub(super) points: Vec<Sample>,
 }
 
-impl Samples {
-    /// A grid on which nothing is known yet.
-    pub(super) fn new(width: usize, height: usize, step: usize) -> Samples {
-        let count = width * height;
-        Samples {
-            width,
-            height,
-            step,
-            beta: vec![0.0; count],
-            sigma: vec![f32::INFINITY; count],
-            misfit: vec![0.0; count],
-            ambiguous: vec![false; count],
-        }
-    }
-}
-
-/// What a method says of a pair.
+/// What a method measures of a pair.
 #[derive(Clone, Debug)]
 pub(super) struct Estimate {
     pub(super) samples: Samples,
-    /// Noise of the pictures it worked on, in grey levels; `None` if the method doesn't say.
+    /// Noise of the pictures that the method worked on, in gray levels; `None` if the method estimates none.
     pub(super) noise_sigma: Option<f64>,
 }

@@ -3,12 +3,12 @@
 use thiserror::Error;
 
 use super::brightness::matched;
+use super::dense_map::DenseMap;
 use super::depth_map::{DepthMap, Warning};
 use super::estimate::{Estimate, Samples};
-use super::judging::Judge;
 use super::kernels::KernelBank;
 use super::monotone::MonotoneCurve;
-use super::registration::{HALVING_SIGMA_PX, halved, looks_swapped, scaling, shift};
+use super::registration::{HALVING_SIGMA_PX, exchanged, halved, scaling, shift};
 use super::resampling::{Affine, composed, resampled};
 use super::stm::StmCurve;
 use super::{
@@ -19,12 +19,18 @@ use crate::imaging::Image;
 /// Why no estimator can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EstimatorError {
+    /// Faulty options.
     #[error("the options can't be used")]
-    Options { faults: Vec<Fault> },
+    Options {
+        /// Every faulty option.
+        faults: Vec<Fault>,
+    },
+    /// The method measures no depth by itself.
     #[error(
         "the method laplacian measures contrast, not depth: it needs a calibration with a plane sweep by this method"
     )]
     NeedsTable,
+    /// The table belongs to other kernels.
     #[error("the calibration's table was measured with other filters than this release has: sweep it again")]
     OtherFilters,
 }
@@ -32,13 +38,23 @@ pub enum EstimatorError {
 /// Why a pair can't be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum EstimateError {
+    /// The pair has not the size that the calibration is for.
     #[error(
         "the calibration is for pictures of {calibrated_width_px}×{calibrated_height_px} px, not {width_px}×{height_px}"
     )]
-    OtherSize { calibrated_width_px: usize, calibrated_height_px: usize, width_px: usize, height_px: usize },
+    OtherSize {
+        /// Width that the calibration is for.
+        calibrated_width_px: usize,
+        /// Height that the calibration is for.
+        calibrated_height_px: usize,
+        /// Width of the pair.
+        width_px: usize,
+        /// Height of the pair.
+        height_px: usize,
+    },
 }
 
-/// A part of the work, told when it ends.
+/// A stage of the estimation, in the order of execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Scale, affine and shift.
@@ -48,24 +64,24 @@ pub enum Stage {
     /// Filters, windows, the estimate in each window.
     Estimate,
     /// Table, lens law, flags, median, summary.
-    Judge,
+    Map,
 }
 
-/// A rig and options made ready; reads any number of pairs.
+/// All that a rig and options fix, prepared once; estimates any number of pairs.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     calibration: Calibration,
     options: DepthOptions,
     /// How often the pictures are halved, so that blur fits the filters.
     halvings: u32,
-    reading: Reading,
-    /// From what the method says to β, if a sweep has told.
+    method: PreparedMethod,
+    /// From what the method measures to β, if a sweep has calibrated it.
     table: Option<MonotoneCurve>,
 }
 
-/// A method, made ready.
+/// A method with its filters or curve.
 #[derive(Clone, Debug)]
-enum Reading {
+enum PreparedMethod {
     Gram(KernelBank),
     Stm(StmCurve),
     Laplacian,
@@ -73,7 +89,7 @@ enum Reading {
 
 /// The largest blur that the filters reach around, in pixels.
 const MOST_BLUR_PX: f64 = 7.5;
-/// A shift of less than this is left, in pixels: it is within what can be told of it.
+/// A shift of less than this is left, in pixels: it is within its own error.
 const LEAST_SHIFT_PX: f64 = 0.05;
 /// A shift of more than this is worth a warning, in pixels.
 const WARN_SHIFT_PX: f64 = 0.25;
@@ -83,10 +99,10 @@ const WARN_GAIN: f64 = 0.03;
 const QUANTUM_LEVELS: f64 = 0.5;
 
 impl Estimator {
-    /// Make ready: design the kernels.
+    /// Designs the kernels.
     ///
     /// # Errors
-    /// [`EstimatorError`].
+    /// [`EstimatorError`]: faulty options, or a calibration that lacks or doesn't match the method's table.
     pub fn new(calibration: &Calibration, options: &DepthOptions) -> Result<Estimator, EstimatorError> {
         let faults = options.faults();
         if !faults.is_empty() {
@@ -105,7 +121,7 @@ impl Estimator {
         Ok(Estimator { table, ..estimator })
     }
 
-    /// The same without looking for a table: what a sweep measures with.
+    /// The same without a table: what a sweep measures with.
     pub(super) fn without_table(calibration: &Calibration, options: &DepthOptions) -> Estimator {
         let optics = &calibration.optics;
         let mut halvings = 0;
@@ -116,20 +132,22 @@ impl Estimator {
         }
         let scale = f64::from(1 << halvings);
         let shrunk = optics.shrunk(scale);
-        let reading = match options.method {
-            Method::Gram => Reading::Gram(KernelBank::new(&shrunk, halvings)),
-            Method::Stm => Reading::Stm(StmCurve::new(&shrunk)),
-            Method::Laplacian => Reading::Laplacian,
+        let method = match options.method {
+            Method::Gram => PreparedMethod::Gram(KernelBank::new(&shrunk, halvings)),
+            Method::Stm => PreparedMethod::Stm(StmCurve::new(&shrunk)),
+            Method::Laplacian => PreparedMethod::Laplacian,
         };
-        Estimator { calibration: calibration.clone(), options: *options, halvings, reading, table: None }
+        Estimator { calibration: calibration.clone(), options: *options, halvings, method, table: None }
     }
 
     /// The filters, as a calibration names them.
     pub(super) fn filters(&self) -> Filters {
-        let (side, rank, band, numbers) = match &self.reading {
-            Reading::Gram(bank) => (bank.side, super::kernels::RANK, super::kernels::BAND, bank.numbers()),
-            Reading::Stm(curve) => (0, 0, 0.5, curve.numbers()),
-            Reading::Laplacian => (0, 0, 0.5, Vec::new()),
+        let (side, rank, band, numbers) = match &self.method {
+            PreparedMethod::Gram(bank) => {
+                (bank.side, super::kernels::RANK, super::kernels::BAND, bank.numbers())
+            }
+            PreparedMethod::Stm(curve) => (0, 0, 0.5, curve.numbers()),
+            PreparedMethod::Laplacian => (0, 0, 0.5, Vec::new()),
         };
         Filters {
             method: self.options.method,
@@ -146,16 +164,18 @@ impl Estimator {
         self.halvings
     }
 
-    /// The depth map of a pair. `finished` is called at the end of each stage, in order.
+    /// The depth map of a pair. Calls `finished` after each stage, in order.
     ///
     /// # Errors
-    /// [`EstimateError`].
+    /// [`EstimateError::OtherSize`] if the calibration is for pictures of another size.
     pub fn estimate(
         &self,
         pair: &FocalPair,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<DepthMap, EstimateError> {
-        self.right_size(pair)?;
+        if let Some(image) = self.calibration.image {
+            image.check(pair)?;
+        }
         let mut registered = self.registered(pair);
         finished(Stage::Register);
         let gain = self.match_brightness(&mut registered);
@@ -166,83 +186,53 @@ impl Estimator {
         let Estimate { mut samples, noise_sigma } = self.measured(&registered, pair.bits);
         finished(Stage::Estimate);
         self.apply_table(&mut samples);
-        let judge = Judge {
+        let map = DenseMap {
             pair,
             optics: &self.calibration.optics,
-            to_far: &registered.to_far,
+            registered: &registered,
             border_px: self.border_px(),
             samples: &samples,
             halvings: self.halvings,
             median: self.options.median,
-            shift_px: registered.shift_px,
             gain,
-            noise_sigma: noise_sigma.map(|sigma| sigma / noise_gain(self.halvings)),
-            warnings: registered.warnings,
+            noise_sigma,
         };
-        let map = judge.depth_map();
-        finished(Stage::Judge);
+        let map = map.depth_map();
+        finished(Stage::Map);
         Ok(map)
     }
 
-    /// What the method says of a pair, before any table; the noise is that of the pictures as sent.
-    pub(super) fn raw(&self, pair: &FocalPair) -> Estimate {
+    /// What the method measures of a pair, before any table.
+    pub(super) fn uncalibrated(&self, pair: &FocalPair) -> Estimate {
         let mut registered = self.registered(pair);
         self.match_brightness(&mut registered);
-        let estimate = self.measured(&registered, pair.bits);
-        Estimate {
-            noise_sigma: estimate.noise_sigma.map(|sigma| sigma / noise_gain(self.halvings)),
-            ..estimate
-        }
-    }
-
-    fn right_size(&self, pair: &FocalPair) -> Result<(), EstimateError> {
-        let (width_px, height_px) = (pair.width(), pair.height());
-        match self.calibration.image {
-            Some(image) if (image.width_px, image.height_px) != (width_px, height_px) => {
-                Err(EstimateError::OtherSize {
-                    calibrated_width_px: image.width_px,
-                    calibrated_height_px: image.height_px,
-                    width_px,
-                    height_px,
-                })
-            }
-            _ => Ok(()),
-        }
+        self.measured(&registered, pair.bits)
     }
 
     /// Both pictures without offsets, in register.
     fn registered(&self, pair: &FocalPair) -> Registered {
-        let (width, height) = (pair.width(), pair.height());
-        let mut warnings = Vec::new();
-        let (near, far) = level(pair, self.calibration.photometric);
+        let (near, far) = without_offsets(pair, self.calibration.photometric);
         let largest_blur_px = self.calibration.optics.largest_blur_px();
-        let mut to_far = match &self.calibration.registration {
+        let to_far = match &self.calibration.registration {
             Some(registration) => registration.affine_far_to_near,
-            None => scaling(&self.calibration.optics, width, height),
+            None => scaling(&self.calibration.optics, pair.width(), pair.height()),
         };
-        if looks_swapped(pair, &to_far, largest_blur_px) {
-            warnings.push(Warning::NearFarSwapped);
+        let brought = resampled(&far, &to_far);
+        let mut registered =
+            Registered { near, far: brought, to_far, shift_px: [0.0; 2], warnings: Vec::new() };
+        if exchanged(pair, &to_far, largest_blur_px) {
+            registered.warnings.push(Warning::NearFarSwapped);
         }
-        let mut brought = resampled(&far, &to_far);
-        let mut shift_px = [0.0; 2];
         if self.options.align {
-            match shift(&near, &brought, largest_blur_px) {
-                None => warnings.push(Warning::ShiftUnknown),
-                Some([dx, dy]) if dx.hypot(dy) > LEAST_SHIFT_PX => {
-                    to_far = composed(&to_far, &[1.0, 0.0, dx, 0.0, 1.0, dy]);
-                    brought = resampled(&far, &to_far);
-                    shift_px = [dx, dy];
-                    if dx.hypot(dy) > WARN_SHIFT_PX {
-                        warnings.push(Warning::Shifted);
-                    }
-                }
-                Some(_) => {}
+            match shift(&registered.near, &registered.far, largest_blur_px) {
+                Some(shift_px) => registered.shift(shift_px, &far),
+                None => registered.warnings.push(Warning::ShiftUnknown),
             }
         }
-        Registered { near, far: brought, to_far, shift_px, warnings }
+        registered
     }
 
-    /// Match the far picture's brightness, if that is wanted; tells by how much.
+    /// Matches the far picture's brightness, if the options ask for it, and halves both pictures; returns the gain.
     fn match_brightness(&self, registered: &mut Registered) -> f64 {
         let mut gain = 1.0;
         if self.options.match_brightness {
@@ -255,66 +245,85 @@ impl Estimator {
         gain
     }
 
+    /// The method on a registered pair; the noise is that of the pictures as sent.
     fn measured(&self, registered: &Registered, bits: u8) -> Estimate {
         let Registered { near, far, .. } = registered;
         let scale = f64::from(1 << self.halvings);
         let quantum = QUANTUM_LEVELS * 255.0 / (2_f64.powi(i32::from(bits)) - 1.0) / scale;
-        match &self.reading {
-            Reading::Gram(bank) => {
-                let least_noise = quantum.max(self.calibrated_noise(near) * noise_gain(self.halvings));
-                gram::estimate(near, far, bank, self.options.window, self.halvings, least_noise)
+        match &self.method {
+            PreparedMethod::Gram(bank) => {
+                let noise_gain = noise_gain(self.halvings);
+                let least_noise = quantum.max(self.calibrated_noise(near) * noise_gain);
+                let estimate =
+                    gram::estimate(near, far, bank, self.options.window, self.halvings, least_noise);
+                let noise_sigma = estimate.noise_sigma.map(|sigma| sigma / noise_gain);
+                Estimate { noise_sigma, ..estimate }
             }
-            Reading::Stm(curve) => {
+            PreparedMethod::Stm(curve) => {
                 let window_px = match self.options.window {
                     Window::Auto => None,
                     Window::Px(px) => Some((px / scale).max(1.0)),
                 };
                 stm::estimate(near, far, curve, window_px, quantum)
             }
-            Reading::Laplacian => laplacian::estimate(near, far, self.options.window),
+            PreparedMethod::Laplacian => laplacian::estimate(near, far, self.options.window),
         }
     }
 
     /// Noise of a picture this bright, if the rig's is known; else 0.
     fn calibrated_noise(&self, near: &Image) -> f64 {
         let Some(noise) = self.calibration.noise else { return 0.0 };
-        let mean = near.pixels().iter().map(|&v| f64::from(v)).sum::<f64>() / near.pixels().len() as f64;
-        (noise.read_sigma.powi(2) + noise.shot_gain * mean.max(0.0)).sqrt()
+        (noise.read_sigma.powi(2) + noise.shot_gain * near.mean().max(0.0)).sqrt()
     }
 
     fn apply_table(&self, samples: &mut Samples) {
         let Some(table) = &self.table else { return };
-        for (raw, sigma) in samples.beta.iter_mut().zip(&mut samples.sigma) {
-            let (beta, slope) = table.at(f64::from(*raw));
-            *raw = beta as f32;
-            if sigma.is_finite() {
-                *sigma *= slope.abs() as f32;
+        for sample in &mut samples.points {
+            let (beta, slope) = table.at(f64::from(sample.beta));
+            sample.beta = beta as f32;
+            if sample.sigma.is_finite() {
+                sample.sigma *= slope.abs() as f32;
             }
         }
     }
 
-    /// How near to the border nothing is measured.
+    /// Width of the border in which nothing is measured, in pixels.
     pub(super) fn border_px(&self) -> usize {
-        let reach = match &self.reading {
-            Reading::Gram(bank) => bank.reach(),
-            Reading::Stm(_) => 4,
-            Reading::Laplacian => 2,
+        let reach = match &self.method {
+            PreparedMethod::Gram(bank) => bank.reach(),
+            PreparedMethod::Stm(_) => 4,
+            PreparedMethod::Laplacian => 2,
         };
         (reach + 2) << self.halvings
     }
 }
 
-/// Two pictures in register, and how they came to it.
-struct Registered {
+/// Two pictures in register, and how they were brought there.
+pub(super) struct Registered {
     near: Image,
     far: Image,
-    to_far: Affine,
-    shift_px: [f64; 2],
-    warnings: Vec<Warning>,
+    pub(super) to_far: Affine,
+    pub(super) shift_px: [f64; 2],
+    pub(super) warnings: Vec<Warning>,
+}
+
+impl Registered {
+    /// Takes out a shift, if it is more than its own error; `far` is the picture as sent.
+    fn shift(&mut self, [dx, dy]: [f64; 2], far: &Image) {
+        if dx.hypot(dy) <= LEAST_SHIFT_PX {
+            return;
+        }
+        self.to_far = composed(&self.to_far, &[1.0, 0.0, dx, 0.0, 1.0, dy]);
+        self.far = resampled(far, &self.to_far);
+        self.shift_px = [dx, dy];
+        if dx.hypot(dy) > WARN_SHIFT_PX {
+            self.warnings.push(Warning::Shifted);
+        }
+    }
 }
 
 /// Both pictures without their dark levels, the far one with its gain.
-fn level(pair: &FocalPair, photometric: Option<Photometric>) -> (Image, Image) {
+fn without_offsets(pair: &FocalPair, photometric: Option<Photometric>) -> (Image, Image) {
     let (mut near, mut far) = (pair.near.clone(), pair.far.clone());
     if let Some(Photometric { dark_near, dark_far, gain_far }) = photometric {
         near.pixels_mut().iter_mut().for_each(|v| *v -= dark_near as f32);

@@ -1,8 +1,8 @@
-//! What is wrong with the description of an optics, or with an option.
+//! A fault of the description of an optics, or of an option.
 
 use std::fmt;
 
-/// One field that can't be as it is.
+/// One faulty field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The field's name.

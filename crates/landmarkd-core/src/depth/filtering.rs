@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::kernels::{KernelBank, RANK};
 use crate::imaging::Image;
 
-/// Pixels that are worked on at once.
+/// Pixels of one block.
 const BLOCK: usize = 32;
 /// The farthest that a kernel reaches.
 const MOST_REACH: usize = 6;
@@ -70,7 +70,7 @@ impl WithSimd for Filter<'_> {
     )]
     fn with_simd<S: Simd>(self, _simd: S) {
         let reach = self.bank.reach();
-        // What lies a rows above and below, added: every kernel takes both alike.
+        // The rows a above and below, added: kernels are symmetric.
         let mut folded = [[0.0_f32; BLOCK + 2 * MOST_REACH]; MOST_REACH + 1];
         let length = BLOCK + 2 * reach;
         for a in 0..=reach {

@@ -7,17 +7,36 @@ use crate::imaging::{Frame, Image};
 /// Why two pictures are no focal pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum PairError {
+    /// The pictures differ in size.
     #[error(
         "the near-focused picture is {near_width_px}×{near_height_px} px, the far-focused one {far_width_px}×{far_height_px}"
     )]
-    SizeMismatch { near_width_px: usize, near_height_px: usize, far_width_px: usize, far_height_px: usize },
+    SizeMismatch {
+        /// Width of the near-focused picture.
+        near_width_px: usize,
+        /// Height of the near-focused picture.
+        near_height_px: usize,
+        /// Width of the far-focused picture.
+        far_width_px: usize,
+        /// Height of the far-focused picture.
+        far_height_px: usize,
+    },
+    /// One picture was given twice.
     #[error("both pictures are the same, pixel for pixel")]
     Identical,
+    /// A side is too short.
     #[error("the pictures are {width_px}×{height_px} px; depth needs {least_px} px a side or more")]
-    TooSmall { width_px: usize, height_px: usize, least_px: usize },
+    TooSmall {
+        /// Width of both pictures.
+        width_px: usize,
+        /// Height of both pictures.
+        height_px: usize,
+        /// The shortest side that holds a window.
+        least_px: usize,
+    },
 }
 
-/// Two luminances of one size and the pixels that are cut off at full scale.
+/// Two luminances of one size, and their pixels at full scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FocalPair {
     pub(super) near: Image,
@@ -32,6 +51,16 @@ pub struct FocalPair {
 const LEAST_SIDE_PX: usize = 16;
 /// Full scale of every plane, whatever its bits.
 const FULL_SCALE: f32 = 255.0;
+
+/// Which pixels of a frame reach full scale in any of its planes.
+fn saturated(frame: &Frame) -> Vec<bool> {
+    let planes = frame.rgb.as_ref().map_or(std::slice::from_ref(&frame.luminance), |rgb| rgb);
+    let mut saturated = vec![false; frame.width() * frame.height()];
+    for plane in planes {
+        saturated.iter_mut().zip(plane.pixels()).for_each(|(mark, &level)| *mark |= level >= FULL_SCALE);
+    }
+    saturated
+}
 
 impl FocalPair {
     /// The pair of a near- and a far-focused picture of `bits` bits a sample.
@@ -54,16 +83,7 @@ impl FocalPair {
         if near.luminance == far.luminance {
             return Err(PairError::Identical);
         }
-        let saturated = [&near, &far].map(|frame| {
-            let mut saturated = vec![false; width_px * height_px];
-            let planes = frame.rgb.as_ref().map_or(std::slice::from_ref(&frame.luminance), |rgb| rgb);
-            for plane in planes {
-                for (mark, &level) in saturated.iter_mut().zip(plane.pixels()) {
-                    *mark |= level >= FULL_SCALE;
-                }
-            }
-            saturated
-        });
+        let saturated = [&near, &far].map(saturated);
         Ok(FocalPair { near: near.luminance, far: far.luminance, saturated, bits })
     }
 
@@ -81,14 +101,13 @@ impl FocalPair {
     pub(super) fn middle(&self, side_px: usize) -> FocalPair {
         let (width, height) = (self.width().min(side_px), self.height().min(side_px));
         let (left, top) = ((self.width() - width) / 2, (self.height() - height) / 2);
-        let part = |image: &Image| Image::from_fn(width, height, |x, y| image.at(left + x, top + y));
         let marks = |marks: &Vec<bool>| {
             let rows = (top..top + height).map(|y| &marks[y * self.width() + left..][..width]);
             rows.flatten().copied().collect()
         };
         FocalPair {
-            near: part(&self.near),
-            far: part(&self.far),
+            near: self.near.middle(side_px),
+            far: self.far.middle(side_px),
             saturated: self.saturated.each_ref().map(marks),
             bits: self.bits,
         }

@@ -1,11 +1,12 @@
 //! Metric depth from a near- and a far-focused picture (B§4): optics, registration, three estimators, calibration.
 //!
 //! Lengths in mm from the lens' principal plane, pixels as everywhere: x right, y down, the origin at the centre of
-//! the top-left one. A depth is the distance along the optical axis. Grey levels are 0..=255 and linear in light. β in
+//! the top-left one. A depth is the distance along the optical axis. Gray levels are 0..=255 and linear in light. β in
 //! [−1, 1] says where between the two sensors a point is sharp: +1 on the near-focused one, −1 on the far-focused one.
 
 mod brightness;
 mod calibration;
+mod dense_map;
 mod depth_map;
 mod estimate;
 mod estimator;
@@ -13,7 +14,6 @@ mod fault;
 mod filtering;
 mod focal_pair;
 mod gram;
-mod judging;
 mod kernels;
 mod laplacian;
 mod monotone;

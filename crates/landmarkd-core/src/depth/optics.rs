@@ -23,11 +23,14 @@ pub enum NearSensor {
     FocusMm(f64),
 }
 
-/// An optics as described by a user: anything may be wrong with it.
+/// An optics as described by a user, not validated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpticsSpec {
+    /// Focal length of the lens, in mm.
     pub focal_length_mm: f64,
+    /// How wide the lens is.
     pub aperture: Aperture,
+    /// Where the sensor of the near-focused picture stands.
     pub near_sensor: NearSensor,
     /// How much nearer to the lens the far-focused picture's sensor stands, in mm: b.
     pub plane_separation_mm: f64,
@@ -39,7 +42,7 @@ pub struct OpticsSpec {
     pub principal_point_px: Option<[f64; 2]>,
 }
 
-/// An optics that can be: all lengths positive, both sensors beyond the focal length.
+/// A valid optics: all lengths positive, both sensors beyond the focal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Optics {
     pub(super) focal_length_mm: f64,
@@ -51,49 +54,71 @@ pub struct Optics {
     pub(super) principal_point_px: Option<[f64; 2]>,
 }
 
-/// Blur of more pixels than this is no picture.
+/// Most pixels of blur that leave a picture.
 const LARGEST_BLUR_PX: f64 = 120.0;
-/// Apertures that are taken, in mm.
-const LENGTHS_MM: std::ops::RangeInclusive<f64> = 0.01..=10_000.0;
+/// Least and largest aperture, in mm.
+const APERTURES_MM: std::ops::RangeInclusive<f64> = 0.01..=10_000.0;
 /// The farthest sensor from the lens, in mm.
 const MOST_PLANE_MM: f64 = 1e7;
-/// β is looked at a little beyond ±1: by this part of the separation an image may lie before the far-focused sensor.
-const FARTHEST_LABEL: f64 = 0.25;
-/// Blur of fewer pixels than this tells nothing.
+/// Candidates of β reach a little beyond ±1: an image may lie this part of the separation before the far-focused sensor.
+const BEFORE_FAR_SENSOR: f64 = 0.25;
+/// Least pixels of blur that can be measured.
 const LEAST_BLUR_PX: f64 = 0.5;
 
-impl Optics {
-    /// The optics that the description makes.
-    ///
-    /// # Errors
-    /// Every field that can't be as it is; pointers are the names of the HTTP contract.
-    pub fn new(spec: &OpticsSpec) -> Result<Optics, Vec<Fault>> {
-        let (aperture_name, aperture) = match spec.aperture {
+impl NearSensor {
+    /// Its field in the HTTP contract.
+    fn field(self) -> &'static str {
+        match self {
+            NearSensor::PlaneMm(_) => "near_plane_mm",
+            NearSensor::FocusMm(_) => "near_focus_mm",
+        }
+    }
+}
+
+impl OpticsSpec {
+    /// The fields that are no numbers within their limits.
+    fn range_faults(&self) -> Vec<Fault> {
+        let (aperture_field, aperture) = match self.aperture {
             Aperture::DiameterMm(mm) => ("aperture_mm", mm),
             Aperture::FNumber(number) => ("f_number", number),
         };
-        let (sensor_name, sensor) = match spec.near_sensor {
-            NearSensor::PlaneMm(mm) => ("near_plane_mm", mm),
-            NearSensor::FocusMm(mm) => ("near_focus_mm", mm),
-        };
-        let mut faults = Vec::new();
-        let mut fault = |field, message| faults.push(Fault { field, message });
+        let (NearSensor::PlaneMm(sensor_mm) | NearSensor::FocusMm(sensor_mm)) = self.near_sensor;
         let lengths = [
-            ("focal_length_mm", spec.focal_length_mm, 0.1, 10_000.0),
-            (aperture_name, aperture, *LENGTHS_MM.start(), *LENGTHS_MM.end()),
-            (sensor_name, sensor, 0.1, MOST_PLANE_MM),
-            ("plane_separation_mm", spec.plane_separation_mm, 1e-4, 1000.0),
-            ("pixel_pitch_um", spec.pixel_pitch_um, 0.1, 1000.0),
+            ("focal_length_mm", self.focal_length_mm, 0.1..=10_000.0),
+            (aperture_field, aperture, APERTURES_MM),
+            (self.near_sensor.field(), sensor_mm, 0.1..=MOST_PLANE_MM),
+            ("plane_separation_mm", self.plane_separation_mm, 1e-4..=1000.0),
+            ("pixel_pitch_um", self.pixel_pitch_um, 0.1..=1000.0),
         ];
-        for (field, value, least, most) in lengths {
-            if !(least..=most).contains(&value) {
-                fault(field, format!("must be a number from {least} to {most}, not {value}"));
+        let mut faults = Vec::new();
+        for (field, value, range) in lengths {
+            if !range.contains(&value) {
+                let (least, most) = (range.start(), range.end());
+                let message = format!("must be a number from {least} to {most}, not {value}");
+                faults.push(Fault { field, message });
             }
         }
-        if spec.principal_point_px.is_some_and(|point| point.iter().any(|v| !v.is_finite() || v.abs() > 1e5))
+        if self.principal_point_px.is_some_and(|point| point.iter().any(|v| !v.is_finite() || v.abs() > 1e5))
         {
-            fault("principal_point_px", "must be two numbers within 100000 of 0".into());
+            let message = "must be two numbers within 100000 of 0".into();
+            faults.push(Fault { field: "principal_point_px", message });
         }
+        faults
+    }
+}
+
+/// One fault of several fields together.
+fn faults_of(fields: &[&'static str], message: &str) -> Vec<Fault> {
+    fields.iter().map(|&field| Fault { field, message: message.into() }).collect()
+}
+
+impl Optics {
+    /// The optics of a description.
+    ///
+    /// # Errors
+    /// Every faulty field, by its name in the HTTP contract.
+    pub fn new(spec: &OpticsSpec) -> Result<Optics, Vec<Fault>> {
+        let faults = spec.range_faults();
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -105,7 +130,7 @@ impl Optics {
                 let message = format!(
                     "must exceed the focal length of {focal_length_mm} mm, not be {mm}: a lens focuses nothing nearer"
                 );
-                return Err(vec![Fault { field: sensor_name, message }]);
+                return Err(faults_of(&["near_focus_mm"], &message));
             }
         };
         let optics = Optics {
@@ -120,39 +145,38 @@ impl Optics {
             telecentric: spec.telecentric,
             principal_point_px: spec.principal_point_px,
         };
-        optics.possible(sensor_name)?;
+        optics.check(spec.near_sensor.field())?;
         Ok(optics)
     }
 
-    fn possible(&self, sensor_name: &'static str) -> Result<(), Vec<Fault>> {
-        // What follows from the description must be fit to be described itself: it is what is kept.
-        if !LENGTHS_MM.contains(&self.aperture_mm) {
+    /// Whether the lengths make an optics together. `sensor` is the field that places the near-focused sensor.
+    fn check(&self, sensor: &'static str) -> Result<(), Vec<Fault>> {
+        // Derived lengths must be valid descriptions themselves, as calibrations keep them.
+        if !APERTURES_MM.contains(&self.aperture_mm) {
             let message =
-                format!("makes an aperture of {} mm; {LENGTHS_MM:?} mm are taken", self.aperture_mm);
-            return Err(vec![Fault { field: "f_number", message }]);
+                format!("makes an aperture of {} mm; {APERTURES_MM:?} mm are taken", self.aperture_mm);
+            return Err(faults_of(&["f_number"], &message));
         }
         if self.near_plane_mm > MOST_PLANE_MM {
             let message = format!(
                 "puts the sensor {} mm behind the lens: a focus farther from the focal length is needed",
                 self.near_plane_mm
             );
-            return Err(vec![Fault { field: sensor_name, message }]);
+            return Err(faults_of(&[sensor], &message));
         }
-        let within = FARTHEST_LABEL * self.plane_separation_mm;
-        if self.far_plane_mm() <= self.focal_length_mm || self.far_plane_mm() <= within {
+        let least_mm = BEFORE_FAR_SENSOR * self.plane_separation_mm;
+        if self.far_plane_mm() <= self.focal_length_mm || self.far_plane_mm() <= least_mm {
             let message = format!(
                 "the far-focused sensor would stand {:.4} mm behind the lens, within the focal length of {} mm, and be \
                  focused on nothing: a sensor farther away or a smaller separation is needed",
                 self.far_plane_mm(),
                 self.focal_length_mm
             );
-            let faults = [sensor_name, "plane_separation_mm"];
-            return Err(faults.map(|field| Fault { field, message: message.clone() }).to_vec());
+            return Err(faults_of(&[sensor, "plane_separation_mm"], &message));
         }
         if !(self.range_mm() > 0.0 && self.far_focus_mm().is_finite()) {
-            let message =
-                "is too small beside the other lengths: both pictures are focused at one distance".into();
-            return Err(vec![Fault { field: "plane_separation_mm", message }]);
+            let message = "is too small beside the other lengths: both pictures are focused at one distance";
+            return Err(faults_of(&["plane_separation_mm"], message));
         }
         let blur = self.largest_blur_px();
         if !(LEAST_BLUR_PX..=LARGEST_BLUR_PX).contains(&blur) {
@@ -160,8 +184,7 @@ impl Optics {
                 "the larger blur between the two focus distances is {blur:.2} px; {LEAST_BLUR_PX} to {LARGEST_BLUR_PX} px \
                  can be measured, 4 to 7 px are best: aperture × separation / (focal length × pitch) says it"
             );
-            let faults = ["plane_separation_mm", "pixel_pitch_um"];
-            return Err(faults.map(|field| Fault { field, message: message.clone() }).to_vec());
+            return Err(faults_of(&["plane_separation_mm", "pixel_pitch_um"], &message));
         }
         Ok(())
     }

@@ -1,8 +1,8 @@
-//! How depth is to be measured.
+//! The options of a depth map.
 
 use super::Fault;
 
-/// What the depth is read from.
+/// The method that measures depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
     /// The least residual of H_f·n − H_n·f over all depths, by few filters.
@@ -25,8 +25,11 @@ pub enum Window {
 /// Whether a median follows, and the side of its square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Median {
+    /// No median filter.
     None,
+    /// 3 × 3 pixels.
     Three,
+    /// 5 × 5 pixels.
     Five,
 }
 
@@ -41,15 +44,18 @@ impl Median {
     }
 }
 
-/// Everything that can be chosen.
+/// The options of a depth map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOptions {
+    /// How depth is measured.
     pub method: Method,
+    /// Over which window.
     pub window: Window,
-    /// Whether a shift between the pictures is looked for and taken out.
+    /// Whether a shift between the pictures is measured and taken out.
     pub align: bool,
     /// Whether the pictures' brightness is matched.
     pub match_brightness: bool,
+    /// The median filter over the finished map.
     pub median: Median,
 }
 
@@ -69,7 +75,7 @@ impl Default for DepthOptions {
 const WINDOWS_PX: std::ops::RangeInclusive<f64> = 1.0..=32.0;
 
 impl DepthOptions {
-    /// Every option that can't be as it is.
+    /// Every faulty option.
     pub fn faults(&self) -> Vec<Fault> {
         match self.window {
             Window::Px(px) if !WINDOWS_PX.contains(&px) => vec![Fault {

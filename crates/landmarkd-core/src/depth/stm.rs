@@ -1,11 +1,10 @@
 //! The method `stm` (Subbarao and Surya): n − f = (σ_n² − σ_f²)/4 · ∇²((n + f)/2), by least squares in a window.
 //!
-//! Exact for small blurs only. What the method measures of larger ones depends on the texture: here it is read by the
-//! curve that a 1/f spectrum gives under the optics' own transfer functions, which is the closed form where blur is
-//! small.
+//! Exact for small blurs only. For larger ones the result depends on the texture: the curve of a 1/f spectrum under the
+//! optics' own transfer functions replaces the closed form, and equals it where blur is small.
 
 use super::Optics;
-use super::estimate::{Estimate, Samples};
+use super::estimate::{Estimate, Sample, Samples};
 use super::otf::pillbox;
 use super::windows::{Means, Planes};
 use crate::imaging::Image;
@@ -13,17 +12,18 @@ use crate::vision::smoothed;
 
 /// Standard deviation of the smoothing before the Laplacian, in pixels.
 const PREFILTER_PX: f32 = 1.5;
-/// Area over which what the line leaves is alike, in pixels, as rendered pictures show it: a window has its area over
-/// this independent samples.
+/// Area over which residuals are correlated, in pixels, as measured on rendered pictures: a window has its area over this
+/// independent samples.
 const NOISE_AREA_PX: f64 = 10.0;
 /// The window of `auto`.
 const WINDOW_PX: f64 = 4.0;
 /// Frequencies of the curve along each axis of a whole period.
 const GRID: usize = 48;
-/// β of the curve's points.
-const LABELS: usize = 121;
+/// Points of the curve, evenly spaced in β.
+const POINTS: usize = 121;
+/// β of the outermost points.
 const OUTERMOST: f64 = 1.5;
-/// ⟨L²⟩ below this many times what noise alone gives shows nothing.
+/// ⟨L²⟩ below this many times that of noise alone is no texture.
 const SIGNIFICANCE: f64 = 6.0;
 
 /// g(β) = σ_n² − σ_f² as the method measures it, falling with β.
@@ -36,11 +36,11 @@ pub(super) struct StmCurve {
 impl StmCurve {
     pub(super) fn new(optics: &Optics) -> StmCurve {
         let beta: Vec<f64> =
-            (0..LABELS).map(|k| -OUTERMOST + 2.0 * OUTERMOST * k as f64 / (LABELS - 1) as f64).collect();
+            (0..POINTS).map(|k| -OUTERMOST + 2.0 * OUTERMOST * k as f64 / (POINTS - 1) as f64).collect();
         let mut g: Vec<f64> = beta.iter().map(|&beta| expected(optics.registered_blur_px(beta))).collect();
-        // Far out of the range the curve may turn back: there it is held.
-        let middle = LABELS / 2;
-        for k in middle + 1..LABELS {
+        // Far out of the range the curve may turn back: there it is made monotone.
+        let middle = POINTS / 2;
+        for k in middle + 1..POINTS {
             g[k] = g[k].min(g[k - 1] - 1e-6);
         }
         for k in (0..middle).rev() {
@@ -55,8 +55,8 @@ impl StmCurve {
     }
 
     /// β of a measured g, and dβ/dg there.
-    fn read(&self, g: f64) -> (f64, f64) {
-        let after = self.g.partition_point(|&point| point > g).clamp(1, LABELS - 1);
+    fn at(&self, g: f64) -> (f64, f64) {
+        let after = self.g.partition_point(|&point| point > g).clamp(1, POINTS - 1);
         let slope = (self.beta[after] - self.beta[after - 1]) / (self.g[after] - self.g[after - 1]);
         let beta = self.beta[after] + (g - self.g[after]) * slope;
         (beta.clamp(-OUTERMOST, OUTERMOST), slope)
@@ -102,7 +102,7 @@ pub(super) fn laplacian(image: &Image) -> Vec<f32> {
     out
 }
 
-/// β of a registered and matched pair. `quantum` is the least noise in grey levels.
+/// β of a registered and matched pair. `quantum` is the least noise in gray levels.
 pub(super) fn estimate(
     near: &Image,
     far: &Image,
@@ -117,32 +117,32 @@ pub(super) fn estimate(
         height,
         near.pixels().iter().zip(far.pixels()).map(|(n, f)| 0.5 * (n + f)).collect(),
     );
-    let curvature = laplacian(&both);
+    let laplacian = laplacian(&both);
     let difference: Vec<f32> = near.pixels().iter().zip(far.pixels()).map(|(n, f)| n - f).collect();
     let times = |a: &[f32], b: &[f32]| -> Vec<f32> { a.iter().zip(b).map(|(a, b)| a * b).collect() };
     let [dl, ll, dd] =
-        [times(&difference, &curvature), times(&curvature, &curvature), times(&difference, &difference)];
+        [times(&difference, &laplacian), times(&laplacian, &laplacian), times(&difference, &difference)];
     let rows = Planes { width, planes: [&dl, &ll, &dd] };
-    let means = Means::up_to(&rows, width, height, window_px.unwrap_or(WINDOW_PX));
+    let means = Means::over(&rows, width, height, window_px.unwrap_or(WINDOW_PX));
 
     let independent = 4.0 * std::f64::consts::PI * means.sigma_px * means.sigma_px / NOISE_AREA_PX;
     // Unit noise leaves 2/(4πσ²) of variance in n − f after the prefilter.
     let noise_of_left = 2.0 * std::f64::consts::PI * f64::from(PREFILTER_PX).powi(2);
-    let mut samples = Samples::new(means.width, means.height, means.step);
-    for at in 0..samples.beta.len() {
+    let sample = |at: usize| {
         let [dl, ll, dd] = std::array::from_fn(|plane| f64::from(means.planes[plane][at]));
         // What the straight line leaves: noise, and its own standard error.
         let left = (dd - dl * dl / ll.max(f64::MIN_POSITIVE)).max(0.0);
         let noise = (left * noise_of_left).max(quantum * quantum);
         if ll <= SIGNIFICANCE * noise_of_laplacian() * noise {
-            continue;
+            return Sample::UNKNOWN;
         }
-        let (beta, slope) = curve.read(4.0 * dl / ll);
-        samples.beta[at] = beta as f32;
-        samples.sigma[at] =
-            (4.0 * slope.abs() * (left.max(quantum * quantum / noise_of_left) / (independent * ll)).sqrt())
-                as f32;
-    }
+        let (beta, slope) = curve.at(4.0 * dl / ll);
+        let variance = left.max(quantum * quantum / noise_of_left) / (independent * ll);
+        let sigma = (4.0 * slope.abs() * variance.sqrt()) as f32;
+        Sample { beta: beta as f32, sigma, ..Sample::UNKNOWN }
+    };
+    let points = (0..means.width * means.height).map(sample).collect();
+    let samples = Samples { width: means.width, height: means.height, step: means.step, points };
     Estimate { samples, noise_sigma: None }
 }
 

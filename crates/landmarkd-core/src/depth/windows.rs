@@ -1,5 +1,5 @@
-//! Means over Gaussian windows on coarser grids: what a window of σ pixels has seen changes little within σ, so it is
-//! kept at every second, fourth or eighth pixel only. Wider windows are made of narrower ones: variances add.
+//! Means over Gaussian windows on coarser grids: the mean over a window of σ pixels changes little within σ, so only
+//! every second, fourth or eighth pixel has one. Wider windows are made of narrower ones: variances add.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -17,13 +17,13 @@ pub(super) struct Means<const N: usize> {
     pub(super) planes: [Vec<f32>; N],
 }
 
-/// Where a window is kept: the standard deviation in grid steps is at least this.
+/// Least standard deviation of a window, in steps of its grid.
 const LEAST_SIGMA_STEPS: f64 = 1.25;
 /// The window ends at this many standard deviations.
 const REACH: f64 = 3.0;
 /// The first window of a cascade, at most: wider ones are made of it.
 const FIRST_SIGMA_PX: f64 = 2.5;
-/// Pixels that are worked on at once.
+/// Pixels of one block of vector instructions.
 pub(super) const LANES: usize = 16;
 
 /// Half of a Gaussian kernel, centre first; the whole sums to 1.
@@ -34,15 +34,14 @@ fn half_kernel(sigma: f64) -> Vec<f32> {
     (0..=reach).map(|k| (bell(k) / sum) as f32).collect()
 }
 
-/// The step of the grid that a window is kept on, when the one before had `step`.
+/// The step of a window's grid, if that of the narrower window before it is `step`.
 fn step_for(sigma_px: f64, step: usize) -> usize {
     if sigma_px / (2 * step) as f64 >= LEAST_SIGMA_STEPS { 2 * step } else { step }
 }
 
 impl<const N: usize> Means<N> {
-    /// Means of N planes over the narrowest window on the way to `sigma_px`. `pixel(y, x, out)` gives the values of
-    /// one block: see [`Rows`].
-    pub(super) fn of<R: Rows<N>>(rows: &R, width: usize, height: usize, sigma_px: f64) -> Means<N> {
+    /// Means of N planes over the first window of the cascade to `sigma_px`.
+    fn first<R: Rows<N>>(rows: &R, width: usize, height: usize, sigma_px: f64) -> Means<N> {
         let sigma_px = sigma_px.min(FIRST_SIGMA_PX);
         let step = step_for(sigma_px, 1);
         let (grid_width, grid_height) = (width.div_ceil(step), height.div_ceil(step));
@@ -56,17 +55,17 @@ impl<const N: usize> Means<N> {
         };
         let padded_width = width.next_multiple_of(LANES);
         let mut across: [Vec<f32>; N] = std::array::from_fn(|_| vec![0.0; padded_width]);
-        let mut along = Along::new(width, &kernel, step);
+        let mut smoothing = RowSmoothing::new(width, &kernel, step);
         for y in (0..height).step_by(step) {
             for from in (0..width).step_by(LANES) {
                 let mut sums = [[0.0; LANES]; N];
-                Arch::new().dispatch(Weigh { rows, y, height, from, kernel: &kernel, sums: &mut sums });
+                Arch::new().dispatch(SumRows { rows, y, height, from, kernel: &kernel, sums: &mut sums });
                 for (row, sums) in across.iter_mut().zip(&sums) {
                     row[from..][..LANES].copy_from_slice(sums);
                 }
             }
             for (row, plane) in across.iter().zip(&mut means.planes) {
-                along.smooth(&row[..width], plane);
+                smoothing.smooth(&row[..width], plane);
             }
         }
         means
@@ -79,7 +78,7 @@ impl<const N: usize> Means<N> {
         let more = (sigma_px * sigma_px - self.sigma_px * self.sigma_px).sqrt() / self.step as f64;
         let kernel = half_kernel(more);
         let (width, height) = (self.width.div_ceil(by), self.height.div_ceil(by));
-        let mut along = Along::new(self.width, &kernel, by);
+        let mut smoothing = RowSmoothing::new(self.width, &kernel, by);
         let mut across = vec![0.0; self.width];
         let planes = std::array::from_fn(|p| {
             let mut plane = Vec::with_capacity(width * height);
@@ -90,16 +89,16 @@ impl<const N: usize> Means<N> {
                 };
                 let taps = (0..kernel.len() as isize).map(|k| (row(-k), row(k)));
                 Arch::new().dispatch(WeightedPairs { out: &mut across, kernel: &kernel, taps });
-                along.smooth(&across, &mut plane);
+                smoothing.smooth(&across, &mut plane);
             }
             plane
         });
         Means { width, height, step, sigma_px, planes }
     }
 
-    /// Means over the window of `sigma_px`, by as many steps as it takes.
-    pub(super) fn up_to<R: Rows<N>>(rows: &R, width: usize, height: usize, sigma_px: f64) -> Means<N> {
-        let mut means = Means::of(rows, width, height, sigma_px);
+    /// Means over the window of `sigma_px`, by a cascade of windows.
+    pub(super) fn over<R: Rows<N>>(rows: &R, width: usize, height: usize, sigma_px: f64) -> Means<N> {
+        let mut means = Means::first(rows, width, height, sigma_px);
         while means.sigma_px < sigma_px {
             means = means.widened((2.0 * means.sigma_px).min(sigma_px));
         }
@@ -107,7 +106,7 @@ impl<const N: usize> Means<N> {
     }
 }
 
-/// N values of each pixel, made when they are asked for.
+/// N values of each pixel, computed on demand.
 pub(super) trait Rows<const N: usize> {
     /// Add `weight` times the values of pixels `from..` of row `y` to `sums`; of pixels beyond the row, anything.
     fn add(&self, y: usize, from: usize, weight: f32, sums: &mut [[f32; LANES]; N]);
@@ -136,8 +135,8 @@ impl<const N: usize> Rows<N> for Planes<'_, N> {
     }
 }
 
-/// A block of pixels of the rows about `y`, weighed.
-struct Weigh<'a, R, const N: usize> {
+/// The weighted sum of a block of pixels over the rows about `y`.
+struct SumRows<'a, R, const N: usize> {
     rows: &'a R,
     y: usize,
     height: usize,
@@ -146,7 +145,7 @@ struct Weigh<'a, R, const N: usize> {
     sums: &'a mut [[f32; LANES]; N],
 }
 
-impl<R: Rows<N>, const N: usize> WithSimd for Weigh<'_, R, N> {
+impl<R: Rows<N>, const N: usize> WithSimd for SumRows<'_, R, N> {
     type Output = ();
 
     #[inline(always)]
@@ -159,23 +158,23 @@ impl<R: Rows<N>, const N: usize> WithSimd for Weigh<'_, R, N> {
     }
 }
 
-/// Smoothing along rows of one length, with the working memory for it.
-struct Along<'a> {
+/// Smoothing along rows of one length, with its working memory.
+struct RowSmoothing<'a> {
     kernel: &'a [f32],
     step: usize,
-    /// Where each padded pixel is taken from.
+    /// The column of each padded pixel.
     columns: Vec<usize>,
     /// The padded row's pixels, every `step`-th together: neighbours of the grid then stand side by side.
     phases: Vec<Vec<f32>>,
     count: usize,
 }
 
-impl<'a> Along<'a> {
+impl<'a> RowSmoothing<'a> {
     fn new(width: usize, kernel: &'a [f32], step: usize) -> Self {
         let reach = (kernel.len() - 1).next_multiple_of(step);
         let padded = (width + 2 * reach).next_multiple_of(step);
         let columns = (0..padded).map(|x| mirrored(x as isize - reach as isize, width)).collect();
-        Along {
+        RowSmoothing {
             kernel,
             step,
             columns,
@@ -184,7 +183,7 @@ impl<'a> Along<'a> {
         }
     }
 
-    /// Append the smoothed row to `out`.
+    /// Appends the smoothed row to `out`.
     fn smooth(&mut self, row: &[f32], out: &mut Vec<f32>) {
         for (phase, pixels) in self.phases.iter_mut().enumerate() {
             let columns = self.columns[phase..].iter().step_by(self.step);
@@ -229,7 +228,7 @@ mod tests {
         let plane: Vec<f32> = (0..width * height).map(|at| (at * 7919 % 251) as f32).collect();
         let rows = Planes { width, planes: [&plane] };
         for (sigma_px, step) in [(1.0, 1), (2.5, 2), (4.0, 2), (7.0, 4)] {
-            let means = Means::up_to(&rows, width, height, sigma_px);
+            let means = Means::over(&rows, width, height, sigma_px);
             assert_eq!((means.step, means.width), (step, width.div_ceil(step)));
             for y in 0..means.height {
                 for x in 0..means.width {
@@ -244,7 +243,7 @@ mod tests {
     #[test]
     fn a_flat_plane_has_its_own_mean_everywhere() {
         let plane = vec![42.0; 19 * 3];
-        let means = Means::up_to(&Planes { width: 19, planes: [&plane] }, 19, 3, 20.0);
+        let means = Means::over(&Planes { width: 19, planes: [&plane] }, 19, 3, 20.0);
         assert!(means.planes[0].iter().all(|mean| (mean - 42.0).abs() < 1e-3));
     }
 }

@@ -19,9 +19,9 @@ const LEAST_RELATIVE_VARIANCE: f64 = 1e-12;
 const ORTHONORMALITY: f64 = 1e-4;
 /// Rows that are taken into f64 at a time: bounds the memory beside the covariance.
 const CHUNK_ROWS: usize = 1024;
-/// Directions that are iterated beside those asked for: the more, the faster the others settle.
+/// Directions that are iterated beside the requested ones: the more, the faster those converge.
 const OVERSAMPLING: usize = 32;
-/// Eigenvalues have settled when none asked for changes by more than this part of the largest.
+/// The iteration ends when no requested eigenvalue changes by more than this part of the largest.
 const SETTLED: f64 = 1e-6;
 const MOST_ITERATIONS: usize = 200;
 
@@ -42,119 +42,139 @@ pub struct Eigenspace {
 /// Why no eigenspace could be made.
 #[derive(Debug, Error, PartialEq)]
 pub enum EigenError {
+    /// Not n × length values.
     #[error("{values} values are not a whole number of vectors of {length} components, or none at all")]
-    Shape { values: usize, length: usize },
+    Shape {
+        /// Values that were given.
+        values: usize,
+        /// Components of a vector.
+        length: usize,
+    },
+    /// An infinite component, or one that is no number.
     #[error("a component is not a finite number")]
     NotFinite,
+    /// Identical vectors.
     #[error("the {vectors} vectors do not differ from each other")]
-    NoVariance { vectors: usize },
+    NoVariance {
+        /// Vectors that were given.
+        vectors: usize,
+    },
+    /// Eigenvalues that didn't settle.
     #[error("the eigenvalue iteration did not converge on a {size}×{size} matrix")]
-    NotConverged { size: usize },
+    NotConverged {
+        /// Rows of the matrix.
+        size: usize,
+    },
+    /// A basis that is not orthonormal to f32 precision.
     #[error("the basis departs from orthonormality by {deviation:e}")]
-    NotOrthonormal { deviation: f64 },
+    NotOrthonormal {
+        /// The largest entry of |B Bᵀ − I|.
+        deviation: f64,
+    },
+}
+
+/// A symmetric matrix' eigenvalues and eigenvectors as faer has them, the largest last.
+type Eigen = faer::linalg::solvers::SelfAdjointEigen<f64>;
+
+/// Mean and moments of a set of vectors.
+struct Moments {
+    count: usize,
+    mean: Vec<f64>,
+    /// Mean square length of the vectors.
+    mean_square: f64,
+}
+
+impl Moments {
+    fn of(rows: &[f32], length: usize) -> Result<Moments, EigenError> {
+        let count = vector_count(rows, length)?;
+        let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
+        Ok(Moments { count, mean: mean(rows, length), mean_square })
+    }
+
+    /// Degrees of freedom of a variance.
+    fn degrees(&self) -> f64 {
+        self.count.saturating_sub(1).max(1) as f64
+    }
+
+    /// How many of descending variances are more than rounding.
+    ///
+    /// # Errors
+    /// [`EigenError::NoVariance`] if none is.
+    fn significant(&self, variances: &[f64]) -> Result<usize, EigenError> {
+        let largest = variances.first().copied().unwrap_or_default();
+        let floor = (LEAST_RELATIVE_EIGENVALUE * largest).max(LEAST_RELATIVE_VARIANCE * self.mean_square);
+        match variances.iter().take_while(|&&variance| variance > floor).count() {
+            0 => Err(EigenError::NoVariance { vectors: self.count }),
+            kept => Ok(kept),
+        }
+    }
 }
 
 impl Eigenspace {
-    /// Fit the leading `dimension` directions to n × `length` row-major vectors.
+    /// Fits the leading `dimension` directions to n × `length` row-major vectors.
     ///
     /// Returns the eigenspace and the whole spectrum: variances (over n − 1), descending, min(n, length)
-    /// of them. Null directions are dropped, so the dimension kept may be smaller than asked.
+    /// of them. Null directions are dropped, so the dimension may be smaller than requested.
+    ///
+    /// # Errors
+    /// [`EigenError`]: a wrong shape, components that are not finite, identical vectors.
     pub fn fit(rows: &[f32], length: usize, dimension: usize) -> Result<(Eigenspace, Vec<f64>), EigenError> {
-        let count = counted(rows, length)?;
-        let mean = mean(rows, length);
-        let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
-        let through_gram = count < length;
-        let products = if through_gram { gram(rows, &mean) } else { covariance(rows, &mean) };
+        let moments = Moments::of(rows, length)?;
+        let through_gram = moments.count < length;
+        let products = if through_gram { gram(rows, &moments.mean) } else { covariance(rows, &moments.mean) };
+        let eigen = decomposed(&products)?;
         let size = products.nrows();
-        let eigen =
-            products.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size })?;
-        let degrees = count.saturating_sub(1).max(1) as f64;
-        let spectrum: Vec<f64> =
-            (0..size).rev().map(|i| (eigen.S().column_vector()[i] / degrees).max(0.0)).collect();
-
-        let total_variance: f64 = spectrum.iter().sum();
-        let floor = (LEAST_RELATIVE_EIGENVALUE * spectrum[0]).max(LEAST_RELATIVE_VARIANCE * mean_square);
-        let kept = spectrum.iter().take(dimension).take_while(|&&variance| variance > floor).count();
-        if kept == 0 {
-            return Err(EigenError::NoVariance { vectors: count });
-        }
-
-        // largest first
-        let mut directions = Mat::zeros(size, kept);
-        for (i, mut column) in directions.col_iter_mut().enumerate() {
-            column.copy_from(eigen.U().col(size - 1 - i));
-        }
+        let variance = |i: usize| (eigen.S().column_vector()[i] / moments.degrees()).max(0.0);
+        let spectrum: Vec<f64> = (0..size).rev().map(variance).collect();
+        let kept = moments.significant(&spectrum[..dimension.min(size)])?;
+        let mut directions = leading(&eigen, size, kept);
         if through_gram {
-            directions = combined(rows, &mean, &directions);
+            directions = combined(rows, &moments.mean, &directions);
         }
-        let basis = directions.col_iter();
-        let basis = basis.flat_map(|column| oriented((0..length).map(|k| column[k]).collect())).collect();
-        let eigenspace = Eigenspace {
-            mean: mean.iter().map(|&v| v as f32).collect(),
-            basis,
-            eigenvalues: spectrum[..kept].to_vec(),
-            total_variance,
-        };
-        eigenspace.check_basis()?;
+        let total_variance = spectrum.iter().sum();
+        let eigenspace =
+            Eigenspace::of(&moments.mean, &directions, spectrum[..kept].to_vec(), total_variance)?;
         Ok((eigenspace, spectrum))
     }
 
     /// The same leading directions from a set so large that the whole spectrum would take too long: subspace
     /// iteration (Halko, Martinsson and Tropp 2011) from a start drawn with a fixed seed, chunk by chunk.
     ///
-    /// Returns the eigenspace and as much of the spectrum: of the kept directions and no more.
+    /// Returns the eigenspace and the spectrum of its directions alone.
+    ///
+    /// # Errors
+    /// As [`Eigenspace::fit`], or an iteration that doesn't converge.
     pub fn fit_leading(
         rows: &[f32],
         length: usize,
         dimension: usize,
     ) -> Result<(Eigenspace, Vec<f64>), EigenError> {
-        let count = counted(rows, length)?;
-        let mean = mean(rows, length);
-        let degrees = count.saturating_sub(1).max(1) as f64;
-        let squares = rows.chunks(CHUNK_ROWS * length).flat_map(|chunk| centred(chunk, &mean));
-        let total_variance = squares.map(|v| v * v).sum::<f64>() / degrees;
-        let mean_square = rows.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / count as f64;
-        if total_variance <= LEAST_RELATIVE_VARIANCE * mean_square {
-            return Err(EigenError::NoVariance { vectors: count });
+        let moments = Moments::of(rows, length)?;
+        let squares = rows.chunks(CHUNK_ROWS * length).flat_map(|chunk| centred(chunk, &moments.mean));
+        let total_variance = squares.map(|v| v * v).sum::<f64>() / moments.degrees();
+        if total_variance <= LEAST_RELATIVE_VARIANCE * moments.mean_square {
+            return Err(EigenError::NoVariance { vectors: moments.count });
         }
+        let (directions, mut variances) = subspace_iteration(rows, length, dimension, &moments)?;
+        let kept = moments.significant(&variances)?;
+        variances.truncate(kept);
+        let eigenspace = Eigenspace::of(&moments.mean, &directions, variances.clone(), total_variance)?;
+        Ok((eigenspace, variances))
+    }
 
-        let width = (dimension + OVERSAMPLING).min(length).min(count);
-        let mut directions = orthonormal(seeded(length, width));
-        let mut before = vec![0.0; dimension.min(width)];
-        let mut settled = None;
-        for _ in 0..MOST_ITERATIONS {
-            let (moved, products) = spread(rows, &mean, &directions);
-            let size = products.nrows();
-            let ritz =
-                products.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size })?;
-            let now: Vec<f64> =
-                (0..before.len()).map(|i| ritz.S().column_vector()[size - 1 - i] / degrees).collect();
-            let change = now.iter().zip(&before).map(|(n, b)| (n - b).abs()).fold(0.0, f64::max);
-            before = now;
-            if change <= SETTLED * before[0] {
-                // Rayleigh-Ritz: the eigenvectors within the subspace, largest first
-                let mut within = Mat::zeros(size, before.len());
-                for (i, mut column) in within.col_iter_mut().enumerate() {
-                    column.copy_from(ritz.U().col(size - 1 - i));
-                }
-                settled = Some(&directions * within);
-                break;
-            }
-            directions = orthonormal(moved);
-        }
-        let directions = settled.ok_or(EigenError::NotConverged { size: width })?;
-        let floor = (LEAST_RELATIVE_EIGENVALUE * before[0]).max(LEAST_RELATIVE_VARIANCE * mean_square);
-        let kept = before.iter().take_while(|&&variance| variance > floor).count();
-        if kept == 0 {
-            return Err(EigenError::NoVariance { vectors: count });
-        }
-        let basis = directions.col_iter().take(kept);
-        let basis = basis.flat_map(|column| oriented((0..length).map(|k| column[k]).collect())).collect();
-        before.truncate(kept);
+    /// The eigenspace of as many of the `directions` (columns) as there are eigenvalues, with fixed signs.
+    fn of(
+        mean: &[f64],
+        directions: &Mat<f64>,
+        eigenvalues: Vec<f64>,
+        total_variance: f64,
+    ) -> Result<Eigenspace, EigenError> {
+        let columns = directions.col_iter().take(eigenvalues.len());
+        let basis = columns.flat_map(|column| oriented(column.iter().copied().collect())).collect();
         let mean = mean.iter().map(|&v| v as f32).collect();
-        let eigenspace = Eigenspace { mean, basis, eigenvalues: before.clone(), total_variance };
+        let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
         eigenspace.check_basis()?;
-        Ok((eigenspace, before))
+        Ok(eigenspace)
     }
 
     /// The leading `dimension` directions alone.
@@ -164,7 +184,7 @@ impl Eigenspace {
         self
     }
 
-    /// The eigenpoint of one vector, and its distance from the space: what of it the basis can't express.
+    /// The eigenpoint of one vector, and its distance from the space: the length of what the basis can't express.
     ///
     /// # Panics
     /// If the vector has another length.
@@ -191,7 +211,10 @@ impl Eigenspace {
         vector
     }
 
-    /// Whether the rows of the basis are orthonormal to f32 precision: to be asked of a basis from elsewhere.
+    /// Checks that the rows of the basis are orthonormal to f32 precision; a basis that was not fitted here needs it.
+    ///
+    /// # Errors
+    /// [`EigenError::NotOrthonormal`].
     pub fn check_basis(&self) -> Result<(), EigenError> {
         let deviation = departure_from_orthonormality(&self.basis, self.length());
         // a NaN must not pass
@@ -294,8 +317,48 @@ fn oriented(direction: Vec<f64>) -> impl Iterator<Item = f32> {
     direction.into_iter().map(move |v| (v * scale) as f32)
 }
 
+fn decomposed(products: &Mat<f64>) -> Result<Eigen, EigenError> {
+    products.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size: products.nrows() })
+}
+
+/// The eigenvectors of the `kept` largest of `size` eigenvalues as columns, the largest first.
+fn leading(eigen: &Eigen, size: usize, kept: usize) -> Mat<f64> {
+    let mut directions = Mat::zeros(size, kept);
+    for (i, mut column) in directions.col_iter_mut().enumerate() {
+        column.copy_from(eigen.U().col(size - 1 - i));
+    }
+    directions
+}
+
+/// The leading directions (columns) and their variances, by subspace iteration with Rayleigh and Ritz' projection.
+fn subspace_iteration(
+    rows: &[f32],
+    length: usize,
+    dimension: usize,
+    moments: &Moments,
+) -> Result<(Mat<f64>, Vec<f64>), EigenError> {
+    let width = (dimension + OVERSAMPLING).min(length).min(moments.count);
+    let mut directions = orthonormal(random_matrix(length, width));
+    let mut variances = vec![0.0; dimension.min(width)];
+    for _ in 0..MOST_ITERATIONS {
+        let (moved, products) = subspace_products(rows, &moments.mean, &directions);
+        let size = products.nrows();
+        let ritz = decomposed(&products)?;
+        let now: Vec<f64> = (0..variances.len())
+            .map(|i| ritz.S().column_vector()[size - 1 - i] / moments.degrees())
+            .collect();
+        let change = now.iter().zip(&variances).map(|(n, b)| (n - b).abs()).fold(0.0, f64::max);
+        variances = now;
+        if change <= SETTLED * variances[0] {
+            return Ok((&directions * leading(&ritz, size, variances.len()), variances));
+        }
+        directions = orthonormal(moved);
+    }
+    Err(EigenError::NotConverged { size: width })
+}
+
 /// XᵀX·Z and (XZ)ᵀ(XZ) of the mean-subtracted rows X, for `length` × k directions Z, chunk by chunk.
-fn spread(rows: &[f32], mean: &[f64], directions: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
+fn subspace_products(rows: &[f32], mean: &[f64], directions: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
     let length = mean.len();
     let width = directions.ncols();
     let (mut moved, mut products) = (Mat::zeros(length, width), Mat::zeros(width, width));
@@ -315,7 +378,7 @@ fn orthonormal(columns: Mat<f64>) -> Mat<f64> {
 }
 
 /// `rows` × `columns` numbers in -1..1, always the same (SplitMix64).
-fn seeded(rows: usize, columns: usize) -> Mat<f64> {
+fn random_matrix(rows: usize, columns: usize) -> Mat<f64> {
     let mut state = 0x005e_ed1e_57ab_1e00_u64;
     Mat::from_fn(rows, columns, |_, _| {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -327,7 +390,7 @@ fn seeded(rows: usize, columns: usize) -> Mat<f64> {
 }
 
 /// How many vectors there are: whole ones, of finite components.
-fn counted(rows: &[f32], length: usize) -> Result<usize, EigenError> {
+fn vector_count(rows: &[f32], length: usize) -> Result<usize, EigenError> {
     if rows.is_empty() || length == 0 || !rows.len().is_multiple_of(length) {
         return Err(EigenError::Shape { values: rows.len(), length });
     }

@@ -1,4 +1,4 @@
-//! Mahalanobis distances, B(15): how far a point is from a class, in units of how the class spreads.
+//! Mahalanobis distances, B(15): how far a point is from a class, in units of how the class varies.
 //!
 //! A class of few points has a covariance that can't be inverted, or that trusts chance. It is drawn towards the
 //! covariance within all classes, the more the fewer points it has.
@@ -19,8 +19,11 @@ pub struct ClassCovariance {
 }
 
 impl ClassCovariance {
-    /// One for each class. `points` is n × `dimension`, row-major; `class` says of each point which class it is
-    /// of, 0..`classes`, and each has a point.
+    /// One for each class. `points` is n × `dimension`, row-major; `class` is the class of each point, 0..`classes`;
+    /// each class has a point.
+    ///
+    /// # Errors
+    /// [`EigenError::NotConverged`].
     pub fn fit(
         points: &[f32],
         dimension: usize,
@@ -36,40 +39,19 @@ impl ClassCovariance {
         for (mean, count) in means.iter_mut().zip(&counts) {
             mean.iter_mut().for_each(|m| *m /= count);
         }
-        let mut own = vec![Mat::<f64>::zeros(dimension, dimension); classes];
-        for (point, &class) in points.chunks_exact(dimension).zip(class) {
-            let off: Vec<f64> = point.iter().zip(&means[class]).map(|(&p, m)| f64::from(p) - m).collect();
-            for (i, a) in off.iter().enumerate() {
-                for (j, b) in off.iter().enumerate() {
-                    own[class][(i, j)] += a * b;
-                }
-            }
-        }
+        let scatters = scatters(points, dimension, class, &means);
         let total: f64 = counts.iter().sum();
-        let pooled = own.iter().fold(Mat::<f64>::zeros(dimension, dimension), |sum, own| sum + own);
+        let pooled = scatters.iter().fold(Mat::<f64>::zeros(dimension, dimension), |sum, own| sum + own);
         let pooled = pooled * faer::Scale(1.0 / total);
         let floor = LEAST_PART * (0..dimension).map(|i| pooled[(i, i)]).sum::<f64>() / dimension as f64;
         let floor = floor.max(1e-12);
-        means
-            .into_iter()
-            .zip(own.iter().zip(&counts))
-            .map(|(mean, (own, &count))| {
-                let trust = count / (count + dimension as f64);
-                let mut covariance = own * faer::Scale(trust / count) + &pooled * faer::Scale(1.0 - trust);
-                (0..dimension).for_each(|i| covariance[(i, i)] += floor);
-                let eigen = covariance
-                    .self_adjoint_eigen(Side::Lower)
-                    .map_err(|_| EigenError::NotConverged { size: dimension })?;
-                let whitening = (0..dimension)
-                    .flat_map(|i| {
-                        let scale = 1.0 / eigen.S().column_vector()[i].max(floor).sqrt();
-                        let direction = eigen.U().col(i);
-                        (0..dimension).map(move |k| scale * direction[k])
-                    })
-                    .collect();
-                Ok(ClassCovariance { mean, whitening })
-            })
-            .collect()
+        let fitted = means.into_iter().zip(scatters.iter().zip(&counts)).map(|(mean, (scatter, &count))| {
+            let trust = count / (count + dimension as f64);
+            let mut covariance = scatter * faer::Scale(trust / count) + &pooled * faer::Scale(1.0 - trust);
+            (0..dimension).for_each(|i| covariance[(i, i)] += floor);
+            Ok(ClassCovariance { mean, whitening: whitening(&covariance, floor)? })
+        });
+        fitted.collect()
     }
 
     /// B(15): √((h − m)ᵀ Σ⁻¹ (h − m)).
@@ -78,6 +60,32 @@ impl ClassCovariance {
         let rows = self.whitening.chunks_exact(off.len());
         rows.map(|row| row.iter().zip(&off).map(|(w, o)| w * o).sum::<f64>().powi(2)).sum::<f64>().sqrt()
     }
+}
+
+/// Σ (p − m)(p − m)ᵀ over the points of each class.
+fn scatters(points: &[f32], dimension: usize, class: &[usize], means: &[Vec<f64>]) -> Vec<Mat<f64>> {
+    let mut scatters = vec![Mat::<f64>::zeros(dimension, dimension); means.len()];
+    for (point, &class) in points.chunks_exact(dimension).zip(class) {
+        let off: Vec<f64> = point.iter().zip(&means[class]).map(|(&p, m)| f64::from(p) - m).collect();
+        for (i, a) in off.iter().enumerate() {
+            for (j, b) in off.iter().enumerate() {
+                scatters[class][(i, j)] += a * b;
+            }
+        }
+    }
+    scatters
+}
+
+/// W with Σ⁻¹ = WᵀW, row-major; variances are at least `floor`.
+fn whitening(covariance: &Mat<f64>, floor: f64) -> Result<Vec<f64>, EigenError> {
+    let size = covariance.nrows();
+    let eigen = covariance.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotConverged { size })?;
+    let row = |i: usize| {
+        let scale = 1.0 / eigen.S().column_vector()[i].max(floor).sqrt();
+        let direction = eigen.U().col(i);
+        (0..size).map(move |k| scale * direction[k])
+    };
+    Ok((0..size).flat_map(row).collect())
 }
 
 #[cfg(test)]

@@ -1,15 +1,15 @@
-//! Linear algebra that has never heard of images: eigenspaces of row vectors, and the nearest of a set of
+//! Linear algebra that knows nothing of images: eigenspaces of row vectors, and the nearest of a set of
 //! eigenpoints (A§4.1, A§4.5, B(10)–(16)). Vectors are rows of row-major `f32` matrices; training is done in `f64`.
 
 pub mod eigenspace;
 pub mod mahalanobis;
 pub mod neighbours;
+pub mod radius_index;
 pub mod symmetric;
 mod tree;
-pub mod vicinity;
 
 pub use eigenspace::{EigenError, Eigenspace};
 pub use mahalanobis::ClassCovariance;
 pub use neighbours::{EigenpointIndex, Neighbour};
+pub use radius_index::{RadiusIndex, Search};
 pub use symmetric::Symmetric;
-pub use vicinity::{Vicinity, Way};

@@ -1,11 +1,11 @@
-//! The nearest of a set of eigenpoints (A§4.5), exactly: by a k-d tree, or by looking at all of them.
+//! The nearest of a set of eigenpoints (A§4.5), exactly: by a k-d tree, or exhaustively.
 //!
 //! Distances are Euclidean, not squared. Both ways return the distance as computed in f64 from the
 //! eigenpoint found, so that they agree to the bit where they find the same; of identical eigenpoints the
-//! lowest index is found.
+//! one of lowest index is found.
 //!
-//! Looking at all is a product of matrices: of ‖q − t‖² = ‖q‖² + (‖t‖² − 2 q·t), B(14), the part in brackets in f32.
-//! Given a bound on its rounding, it tells which eigenpoints can't be among the nearest; the few that can are
+//! The exhaustive search is a product of matrices: of ‖q − t‖² = ‖q‖² + (‖t‖² − 2 q·t), B(14), the part in brackets in f32.
+//! Given a bound on its rounding, it excludes the eigenpoints that can't be among the nearest; the few that can are
 //! measured in f64. So what is found does not depend on the order in which a machine adds the products up.
 
 use faer::linalg::matmul::matmul;
@@ -14,10 +14,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::tree::PointTree;
 
-/// A tree is asked for up to this many coordinates, and from this many different eigenpoints on.
+/// A tree serves up to this many coordinates, from this many distinct eigenpoints on.
 ///
 /// Measured as `benches/search.rs` does, for 64 queries, half of them new, the least of 15 rounds or more in ms,
-/// tree / looking at all:
+/// tree / exhaustive:
 ///
 /// | coordinates | 1280 | 10 000 | 100 000 eigenpoints |
 /// | --- | --- | --- | --- |
@@ -30,10 +30,10 @@ const TREE_FROM_POINTS: usize = 10_000;
 /// Queries and eigenpoints of one product: at most 1 MB of f32, within a second cache.
 const BLOCK_QUERIES: usize = 64;
 const BLOCK_POINTS: usize = 4096;
-/// The eigenpoints of a block fall into so many classes in turn; only a class whose least is near enough is looked into.
+/// The eigenpoints of a block fall into so many classes in turn; only a class whose least is near enough is searched.
 const CLASSES: usize = 64;
 
-/// An eigenpoint found, and how far it is.
+/// An eigenpoint found, and its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
     /// Row of the eigenpoint.
@@ -42,7 +42,7 @@ pub struct Neighbour {
     pub distance: f32,
 }
 
-/// A set of eigenpoints that can be asked for the nearest.
+/// A set of eigenpoints, indexed for nearest-neighbour queries.
 pub struct EigenpointIndex {
     points: Vec<f32>,
     dimension: usize,
@@ -52,7 +52,7 @@ pub struct EigenpointIndex {
 }
 
 impl EigenpointIndex {
-    /// An index over n × `dimension` row-major eigenpoints, all finite. Chooses the faster way by itself.
+    /// An index over n × `dimension` row-major eigenpoints, all finite; with a k-d tree where that is faster.
     ///
     /// # Panics
     /// If there is no eigenpoint, or not a whole number of them.
@@ -61,14 +61,14 @@ impl EigenpointIndex {
         let mut index = EigenpointIndex::exhaustive(points, dimension);
         if dimension <= TREE_TO_DIMENSION && count >= TREE_FROM_POINTS {
             index.tree = PointTree::new(&index.points, dimension);
-            if index.tree.as_ref().is_some_and(|tree| tree.different() < TREE_FROM_POINTS) {
+            if index.tree.as_ref().is_some_and(|tree| tree.distinct() < TREE_FROM_POINTS) {
                 index.tree = None;
             }
         }
         index
     }
 
-    /// An index that asks a k-d tree if there is one for this dimension (64 at most), whatever is faster.
+    /// An index with a k-d tree, whatever is faster; without one above 64 dimensions.
     ///
     /// # Panics
     /// As [`EigenpointIndex::new`].
@@ -100,7 +100,7 @@ impl EigenpointIndex {
         self.tree.is_some()
     }
 
-    /// Memory held.
+    /// Memory held, in bytes.
     pub fn bytes(&self) -> usize {
         let copies = if self.has_tree() { 2 } else { 1 };
         size_of_val(&self.points[..]) * copies + size_of_val(&self.squares[..])
@@ -121,7 +121,7 @@ impl EigenpointIndex {
     }
 
     /// The `count` nearest eigenpoints of each of n × dimension row-major queries, all finite, by looking at every
-    /// eigenpoint: the judge of the tree.
+    /// eigenpoint: the oracle of the tree.
     ///
     /// A row of `count` for each query, or of all eigenpoints if there are fewer; ascending distances, of equal
     /// ones the lower index first.
@@ -148,7 +148,15 @@ impl EigenpointIndex {
                 matmul(product, Accum::Replace, as_matrix(queries), points, -2.0, Par::Seq); // B(14)
                 let rows = parts.chunks_exact_mut(squares.len()).zip(found.chunks_exact_mut(count));
                 for (query, (parts, found)) in queries.chunks_exact(dimension).zip(rows) {
-                    Arch::new().dispatch(Sift { index: self, first, farthest, squares, query, parts, found });
+                    Arch::new().dispatch(BlockScan {
+                        index: self,
+                        first,
+                        farthest,
+                        squares,
+                        query,
+                        parts,
+                        found,
+                    });
                 }
             }
         }
@@ -161,8 +169,8 @@ impl EigenpointIndex {
     }
 }
 
-/// Take up what is near among a block of eigenpoints.
-struct Sift<'a> {
+/// Looks through a block of eigenpoints for nearer ones than those found before.
+struct BlockScan<'a> {
     index: &'a EigenpointIndex,
     /// Index of the block's first eigenpoint.
     first: usize,
@@ -177,12 +185,31 @@ struct Sift<'a> {
     found: &'a mut [(f64, usize)],
 }
 
-impl WithSimd for Sift<'_> {
+impl WithSimd for BlockScan<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        // ‖t‖² − 2 q·t, and the least of each class
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let least = self.class_minima(simd);
+        let limit = self.limit(&least);
+        for (class, &least) in least.iter().enumerate() {
+            if least > limit {
+                continue;
+            }
+            for at in (class..self.parts.len()).step_by(CLASSES) {
+                if self.parts[at] > limit {
+                    continue;
+                }
+                self.insert(self.first + at);
+            }
+        }
+    }
+}
+
+impl BlockScan<'_> {
+    /// Completes the parts to ‖t‖² − 2 q·t; returns the least of each class.
+    #[inline(always)]
+    fn class_minima<S: Simd>(&mut self, simd: S) -> [f32; CLASSES] {
         let mut least = [f32::INFINITY; CLASSES];
         let (tiles, rest) = self.parts.as_chunks_mut::<CLASSES>();
         let (squares, squares_of_rest) = self.squares.as_chunks::<CLASSES>();
@@ -199,41 +226,40 @@ impl WithSimd for Sift<'_> {
             *part += squares_of_rest[class];
             least[class] = least[class].min(*part);
         }
+        least
+    }
 
+    /// What the part of a nearer eigenpoint can't exceed.
+    #[inline(always)]
+    fn limit(&self, least: &[f32; CLASSES]) -> f32 {
         // Each of n products and sums in f32 is off by at most 2⁻²⁴ of it, and all of them together are at most
-        // (‖q‖ + ‖t‖)²: twice that, for what else is rounded. Infinite if f32 can't hold it, and then nothing is
-        // passed over.
+        // (‖q‖ + ‖t‖)²: twice that, for what else is rounded. Infinite if f32 can't hold it: then every eigenpoint is
+        // measured.
         let own = dot(self.query, self.query);
         let reach = (own.sqrt() as f32 + self.farthest).powi(2);
         let slack = (self.query.len() + 4) as f32 * f32::EPSILON * reach + f32::MIN_POSITIVE;
         let last = self.found.len() - 1;
-        let limit = if self.found[last].0.is_finite() {
+        if self.found[last].0.is_finite() {
             (self.found[last].0 - own) as f32 + slack
         } else if last < CLASSES {
             *least.clone().select_nth_unstable_by(last, f32::total_cmp).1 + 2.0 * slack
         } else {
             f32::INFINITY
-        };
+        }
+    }
 
-        for (class, &least) in least.iter().enumerate() {
-            if least > limit {
-                continue;
+    /// Inserts an eigenpoint among those found, if it is nearer than the last of them.
+    #[inline(always)]
+    fn insert(&mut self, index: usize) {
+        let last = self.found.len() - 1;
+        let candidate = (distance_square(self.query, self.index.point(index)), index);
+        if candidate < self.found[last] {
+            let mut place = last;
+            while place > 0 && candidate < self.found[place - 1] {
+                self.found[place] = self.found[place - 1];
+                place -= 1;
             }
-            for at in (class..self.parts.len()).step_by(CLASSES) {
-                if self.parts[at] > limit {
-                    continue;
-                }
-                let index = self.first + at;
-                let candidate = (distance_square(self.query, self.index.point(index)), index);
-                if candidate < self.found[last] {
-                    let mut place = last;
-                    while place > 0 && candidate < self.found[place - 1] {
-                        self.found[place] = self.found[place - 1];
-                        place -= 1;
-                    }
-                    self.found[place] = candidate;
-                }
-            }
+            self.found[place] = candidate;
         }
     }
 }

@@ -1,14 +1,16 @@
-//! A small symmetric matrix by its eigenvalues and eigenvectors, and linear equations with it.
+//! Eigenvalues and eigenvectors of a small symmetric matrix, and linear equations with it.
 
 use faer::{Mat, Side};
 
 /// Eigenvalues below this part of the largest count as null: rounding.
 const LEAST_RELATIVE_EIGENVALUE: f64 = 1e-13;
 
-/// Eigenvalues, the largest first, with their eigenvectors of length one, row by row.
+/// Eigenvalues, the largest first, with their eigenvectors of unit length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symmetric {
+    /// Descending.
     pub values: Vec<f64>,
+    /// The eigenvector of each eigenvalue.
     pub vectors: Vec<Vec<f64>>,
 }
 

@@ -1,11 +1,11 @@
-//! The k-d tree of the library, over eigenpoints whose dimension is known only when they come.
+//! The k-d tree of `kiddo`, over eigenpoints whose dimension is known at run time only.
 
 use std::cmp::Ordering;
 use std::ops::Range;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// A tree over the different ones of a set of eigenpoints: a tree can't split identical ones.
+/// A tree over the distinct eigenpoints of a set: a tree can't split identical ones.
 pub(super) struct PointTree {
     tree: OfSize,
     /// Rows of the eigenpoints; identical ones stand together, ascending.
@@ -16,7 +16,7 @@ pub(super) struct PointTree {
 
 impl PointTree {
     /// A tree over n × `dimension` row-major eigenpoints, all finite. `None` above 64 coordinates, where a tree
-    /// looks at everything and more slowly than a loop.
+    /// visits everything, more slowly than a loop.
     pub fn new(points: &[f32], dimension: usize) -> Option<PointTree> {
         let count = u32::try_from(points.len() / dimension).expect("eigenpoints are counted in 32 bits");
         let point = |row: u32| &points[row as usize * dimension..][..dimension];
@@ -37,12 +37,12 @@ impl PointTree {
         }
         // by their lowest rows: the same eigenpoints in the same order make the same tree
         groups.sort_unstable_by_key(|group| rows[group.start as usize]);
-        let different = groups.iter().map(|group| point(rows[group.start as usize]));
-        Some(PointTree { tree: OfSize::new(different, dimension)?, rows, groups })
+        let distinct = groups.iter().map(|group| point(rows[group.start as usize]));
+        Some(PointTree { tree: OfSize::new(distinct, dimension)?, rows, groups })
     }
 
-    /// How many different eigenpoints there are.
-    pub fn different(&self) -> usize {
+    /// How many distinct eigenpoints there are.
+    pub fn distinct(&self) -> usize {
         self.groups.len()
     }
 
@@ -58,7 +58,7 @@ impl PointTree {
     }
 }
 
-/// The library's tree has its dimension in its type: some sizes, and zeros up to the next.
+/// `kiddo`'s tree has its dimension in its type: some sizes, padded with zeros up to the next.
 macro_rules! trees {
     ($($size:ident = $dimension:literal),*) => {
         enum OfSize { $($size(Box<ImmutableKdTree<f32, $dimension>>)),* }

@@ -18,7 +18,7 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// Colour one pixel, if it is inside.
+    /// Colours one pixel, if it is inside.
     pub fn put(&mut self, Point { x, y }: Point, colour: Rgb888) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
         if x < self.width && y < self.height {

@@ -1,7 +1,7 @@
 //! From bytes to a frame, under limits: JPEG, PNG, and the portable maps (PBM, PGM, PPM, PAM).
 //!
-//! Magic bytes decide the format; names and declared types are never asked. The size is read from the
-//! header and held against the limits before any pixel is decoded. 16-bit samples become 0..=255 with
+//! Magic bytes decide the format; names and declared types don't count. The size in the header is checked against the
+//! limits before any pixel is decoded. 16-bit samples become 0..=255 with
 //! their fraction; alpha is laid over black; the orientation in EXIF is applied, in the header's size too.
 
 use std::error::Error;
@@ -31,10 +31,12 @@ impl Default for DecodeLimits {
     }
 }
 
-/// A family of files that is read here.
+/// A file format that is read here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
+    /// JPEG.
     Jpeg,
+    /// PNG.
     Png,
     /// PBM, PGM, PPM and PAM.
     Pnm,
@@ -62,7 +64,7 @@ impl Format {
     }
 }
 
-/// What the first bytes tell of a picture.
+/// The format and size of a picture, from its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
     /// The format, by its magic bytes.
@@ -108,23 +110,48 @@ impl Header {
 /// Why bytes are not taken as a picture.
 #[derive(Debug, Error)]
 pub enum DecodeError {
+    /// No bytes at all.
     #[error("there are no bytes")]
     Empty,
+    /// Magic bytes of no format that is read here.
     #[error("this is not a JPEG, PNG, PBM, PGM, PPM or PAM file of a kind that is read here")]
     UnknownFormat,
+    /// More pixels than the limits allow.
     #[error(
         "the picture is {width_px}×{height_px} px; at most {max_side_px} px a side and {max_pixels} px in all are taken"
     )]
-    TooLarge { width_px: u32, height_px: u32, max_side_px: u32, max_pixels: u64 },
+    TooLarge {
+        /// Width by the header.
+        width_px: u32,
+        /// Height by the header.
+        height_px: u32,
+        /// [`DecodeLimits::max_side_px`].
+        max_side_px: u32,
+        /// [`DecodeLimits::max_pixels`].
+        max_pixels: u64,
+    },
+    /// More memory than the limits allow.
     #[error("decoding needs {needed_bytes} bytes of memory or more; {max_alloc_bytes} are allowed")]
-    TooMuchMemory { needed_bytes: u64, max_alloc_bytes: u64 },
+    TooMuchMemory {
+        /// What the decoder needs at least.
+        needed_bytes: u64,
+        /// [`DecodeLimits::max_alloc_bytes`].
+        max_alloc_bytes: u64,
+    },
+    /// A file of a known format that can't be decoded.
     #[error("the picture is cut off or damaged")]
-    Corrupt { source: Box<dyn Error + Send + Sync> },
+    Corrupt {
+        /// The decoder's reason.
+        source: Box<dyn Error + Send + Sync>,
+    },
 }
 
-/// Read format and size, and hold them against the limits; nothing is decoded or unpacked.
+/// Reads format and size, and checks them against the limits; decodes and unpacks nothing.
+///
+/// # Errors
+/// [`DecodeError`].
 pub fn read_header(bytes: &[u8], limits: &DecodeLimits) -> Result<Header, DecodeError> {
-    // What stands between a PNG's size and its pixels may be long and compressed: the decoder would read it now.
+    // The chunks between a PNG's size and its pixels may be long and compressed: the decoder would read them now.
     let Some(header) = png_header(bytes) else { return opened(bytes, limits).map(|(_, header, _)| header) };
     within(header.width_px, header.height_px, limits)?;
     Ok(header)
@@ -142,7 +169,7 @@ fn png_header(bytes: &[u8]) -> Option<Header> {
     Some(Header { format: Format::Png, width_px, height_px, colour, bits })
 }
 
-/// Hold a size against the limits.
+/// Checks a size against the limits.
 fn within(width_px: u32, height_px: u32, limits: &DecodeLimits) -> Result<(), DecodeError> {
     let too_long = width_px.max(height_px) > limits.max_side_px;
     if too_long || u64::from(width_px) * u64::from(height_px) > limits.max_pixels {
@@ -155,7 +182,10 @@ fn within(width_px: u32, height_px: u32, limits: &DecodeLimits) -> Result<(), De
     Ok(())
 }
 
-/// Decode a picture into a frame.
+/// Decodes a picture into a frame.
+///
+/// # Errors
+/// [`DecodeError`].
 pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Frame, DecodeError> {
     let (decoder, header, orientation) = opened(bytes, limits)?;
     if header.format == Format::Jpeg && !jpeg_has_its_end(bytes) {
@@ -166,7 +196,7 @@ pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Frame, DecodeError>
     Ok(frame(picture))
 }
 
-/// Whether the end marker follows the first scan. The decoder paints what is missing gray and says nothing; a robot
+/// Whether the end marker follows the first scan. The decoder fills what is missing with gray, without an error; a robot
 /// must not take that for a place.
 fn jpeg_has_its_end(bytes: &[u8]) -> bool {
     const START_OF_SCAN: u8 = 0xda;
@@ -188,7 +218,7 @@ fn jpeg_has_its_end(bytes: &[u8]) -> bool {
     rest.windows(2).any(|pair| pair == END_OF_IMAGE)
 }
 
-/// A decoder that stands after the header, the header, and how the picture is to be turned.
+/// A decoder that has read the header, the header, and the orientation of the picture.
 fn opened<'a>(
     bytes: &'a [u8],
     limits: &DecodeLimits,
@@ -259,7 +289,7 @@ fn frame(picture: DynamicImage) -> Frame {
     }
 }
 
-/// Interleaved samples to one or three planes of grey levels, over black where there is alpha.
+/// Interleaved samples to one or three planes of gray levels, over black where there is alpha.
 fn planes<T: Copy>(samples: &[T], colour: bool, alpha: bool, level: impl Fn(T) -> f32) -> Vec<Vec<f32>> {
     match (colour, alpha) {
         (false, false) => vec![plane::<T, 1>(samples, |[v]| level(v))],

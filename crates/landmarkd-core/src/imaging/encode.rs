@@ -11,7 +11,7 @@ pub fn png_rgb8(width: usize, height: usize, pixels: &[u8]) -> Vec<u8> {
     png(width, height, pixels, ExtendedColorType::Rgb8)
 }
 
-/// A PNG of grey levels, one byte each, row-major.
+/// A PNG of gray levels, one byte each, row-major.
 ///
 /// # Panics
 /// If `pixels` does not hold `width * height` bytes, or a side is 0.
@@ -19,7 +19,7 @@ pub fn png_gray8(width: usize, height: usize, pixels: &[u8]) -> Vec<u8> {
     png(width, height, pixels, ExtendedColorType::L8)
 }
 
-/// A PNG of 16-bit grey levels, row-major.
+/// A PNG of 16-bit gray levels, row-major.
 ///
 /// # Panics
 /// If `pixels` does not hold `width * height` values, or a side is 0.
@@ -32,7 +32,7 @@ pub fn png_gray16(width: usize, height: usize, pixels: &[u16]) -> Vec<u8> {
 /// The finest step of [`png_distances`], in mm.
 const FINEST_STEP_MM: f64 = 0.1;
 
-/// A 16-bit PNG of distances in mm, row-major, and its step in mm: distance = grey level × step, 0 = unknown (NaN).
+/// A 16-bit PNG of distances in mm, row-major, and its step in mm: distance = gray level × step, 0 = unknown (NaN).
 ///
 /// The step is 0.1 mm if the largest distance fits, else the least of 1, 10, … mm with which it does.
 ///

@@ -1,5 +1,5 @@
 //! Distances in false colours, for people: near is red, far is blue (the map is Turbo, turned round), unknown is dark
-//! grey. A bar below says which colour is how many mm.
+//! gray. A colour bar below gives the scale in mm.
 
 use embedded_graphics::mono_font::MonoTextStyle;
 use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
@@ -8,13 +8,14 @@ use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
 
 use super::canvas::{Canvas, rgb};
 use super::encode;
+use crate::statistics::quantile_nearest;
 
 /// What is not known.
 const UNKNOWN: [u8; 3] = [48; 3];
 /// Behind the bar and its numbers.
 const GROUND: [u8; 3] = [16; 3];
 const LETTERS: [u8; 3] = [224; 3];
-/// Colours run between these parts of the known distances, so that single wrong ones don't take them all.
+/// The colours cover the distances between these quantiles, so that outliers don't stretch the scale.
 const SPAN: [f64; 2] = [0.02, 0.98];
 /// A narrower picture gets a margin on its right: the bar's numbers need room.
 const LEAST_WIDTH_PX: usize = 200;
@@ -50,12 +51,8 @@ pub fn png_turbo(width: usize, height: usize, distances_mm: &[f32]) -> Vec<u8> {
 /// The least and the largest distance that have a colour of their own; none if none is known.
 fn span(distances_mm: &[f32]) -> Option<[f32; 2]> {
     let mut known: Vec<f32> = distances_mm.iter().copied().filter(|mm| mm.is_finite()).collect();
-    let last = known.len().checked_sub(1)?;
-    Some(
-        SPAN.map(|part| {
-            *known.select_nth_unstable_by((part * last as f64).round() as usize, f32::total_cmp).1
-        }),
-    )
+    let [least, largest] = SPAN.map(|part| quantile_nearest(&mut known, part, f32::total_cmp));
+    Some([least?, largest?])
 }
 
 /// The colour of a distance.
@@ -114,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn near_is_red_far_is_blue_and_unknown_is_grey() {
+    fn near_is_red_far_is_blue_and_unknown_is_gray() {
         let (width, drawn) = pixels(240, 60, |x, _| if x == 120 { f32::NAN } else { 500.0 + x as f32 });
         assert_eq!((width, drawn.len()), (240, 240 * 92));
         let [near, far] = [drawn[8], drawn[231]];

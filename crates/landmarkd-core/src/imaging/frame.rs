@@ -1,8 +1,8 @@
 //! A decoded picture: its luminance, and its red, green and blue planes if the file is in colour.
 //!
-//! All planes have one size and hold grey levels 0..=255. Luminance is 0.299 r + 0.587 g + 0.114 b.
+//! All planes have one size and hold gray levels 0..=255. Luminance is 0.299 r + 0.587 g + 0.114 b.
 
-use super::Image;
+use super::{Image, bilinear_zero_padded};
 
 /// What a camera saw: luminance always, the three colours if the file had them.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,18 +106,10 @@ fn turned(image: &Image, rotation_deg: f64) -> Image {
     let (width, height) = (image.width(), image.height());
     let (sin, cos) = rotation_deg.to_radians().sin_cos();
     let (centre_x, centre_y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
-    let pixel = |x: f64, y: f64| {
-        let inside = x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64;
-        if inside { f64::from(image.at(x as usize, y as usize)) } else { 0.0 }
-    };
     Image::from_fn(width, height, |x, y| {
         let (dx, dy) = (x as f64 - centre_x, y as f64 - centre_y);
         let (from_x, from_y) = (centre_x + cos * dx + sin * dy, centre_y - sin * dx + cos * dy);
-        let (left, top) = (from_x.floor(), from_y.floor());
-        let (right_part, bottom_part) = (from_x - left, from_y - top);
-        let upper = pixel(left, top) * (1.0 - right_part) + pixel(left + 1.0, top) * right_part;
-        let lower = pixel(left, top + 1.0) * (1.0 - right_part) + pixel(left + 1.0, top + 1.0) * right_part;
-        (upper * (1.0 - bottom_part) + lower * bottom_part) as f32
+        bilinear_zero_padded(image, from_x, from_y) as f32
     })
 }
 

@@ -1,4 +1,6 @@
-//! The image type: one plane of `f32`, row-major, grey levels 0..=255 (differences may be negative).
+//! The image type: one plane of `f32`, row-major, gray levels 0..=255 (differences may be negative).
+
+use crate::statistics::median;
 
 /// One plane of pixels, row-major: the pixel (x, y) stands at `y * width + x`.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +60,32 @@ impl Image {
         &mut self.pixels
     }
 
+    /// The part of `width` × `height` pixels whose top left pixel is (`left`, `top`).
+    pub fn cropped(&self, left: usize, top: usize, width: usize, height: usize) -> Image {
+        Image::from_fn(width, height, |x, y| self.at(left + x, top + y))
+    }
+
+    /// The middle part, of at most `side_px` a side.
+    pub fn middle(&self, side_px: usize) -> Image {
+        let (width, height) = (self.width.min(side_px), self.height.min(side_px));
+        self.cropped((self.width - width) / 2, (self.height - height) / 2, width, height)
+    }
+
+    /// Indices of the pixels at the border, each once, ascending.
+    pub fn border(&self) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..width * height).filter(move |at| {
+            let (x, y) = (at % width, at / width);
+            x == 0 || y == 0 || x + 1 == width || y + 1 == height
+        })
+    }
+
+    /// The upper median of the pixels at the border; 0 for an image without any.
+    pub fn border_median(&self) -> f32 {
+        let mut values: Vec<f32> = self.border().map(|at| self.pixels[at]).collect();
+        median(&mut values, f32::total_cmp).unwrap_or(0.0)
+    }
+
     /// The pixels of row `y`.
     pub fn row(&self, y: usize) -> &[f32] {
         &self.pixels[y * self.width..(y + 1) * self.width]
@@ -92,6 +120,14 @@ mod tests {
     fn the_mean_is_that_of_all_pixels() {
         assert_eq!(Image::new(2, 2, vec![1.0, 2.0, 3.0, 5.0]).mean(), 2.75);
         assert_eq!(Image::new(0, 0, vec![]).mean(), 0.0);
+    }
+
+    #[test]
+    fn the_border_is_what_has_no_neighbour_on_a_side() {
+        let image = Image::new(4, 3, vec![9.0, 1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 5.0, 6.0, 7.0, 8.0, 10.0]);
+        assert_eq!(image.border().collect::<Vec<_>>(), [0, 1, 2, 3, 4, 7, 8, 9, 10, 11]);
+        assert_eq!(image.border_median(), 6.0);
+        assert_eq!(Image::new(0, 0, vec![]).border_median(), 0.0);
     }
 
     #[test]

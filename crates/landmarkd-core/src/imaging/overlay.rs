@@ -32,7 +32,7 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Start from the frame itself; one narrower than 320 px is enlarged by a whole factor, 8 at most.
+    /// Starts from the frame itself; one narrower than 320 px is enlarged by a whole factor, 8 at most.
     pub fn on(frame: &Frame) -> Overlay {
         let enlargement = LEGIBLE_WIDTH_PX.div_ceil(frame.width().max(1)).clamp(1, MAX_ENLARGEMENT);
         let (width, height) = (frame.width() * enlargement, frame.height() * enlargement);

@@ -1,7 +1,7 @@
 //! Point clouds: PLY, binary, little endian.
 
-/// A PLY file of points, given in mm with the grey level, 0..=255, that each is seen in: `x`, `y`, `z` in metres,
-/// and the grey level as `red`, `green` and `blue`.
+/// A PLY file of points, given in mm with the gray level, 0..=255, that each is seen in: `x`, `y`, `z` in metres,
+/// and the gray level as `red`, `green` and `blue`.
 pub fn ply_points(points_mm: impl IntoIterator<Item = ([f64; 3], f32)>) -> Vec<u8> {
     let mut count = 0_usize;
     let mut body = Vec::new();

@@ -1,5 +1,10 @@
 //! Seeded numbers for drawn pictures (SplitMix64): the same in every run, on every machine.
 
+/// A seed from a name and a round: the same for both always, another for another round.
+pub fn seed_of_name(name: &str, round: u64) -> u64 {
+    name.bytes().fold(round, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)))
+}
+
 /// A generator of well-mixed numbers.
 #[derive(Clone, Debug)]
 pub struct Random(u64);

@@ -7,7 +7,7 @@ use super::Image;
 
 const BRIGHTEST: f32 = 255.0;
 
-/// The image, of grey levels 0..=255, scaled to fit into `width_px` × `height_px`, as large as it can be, centred on
+/// The image, of gray levels 0..=255, scaled to fit into `width_px` × `height_px`, as large as it can be, centred on
 /// black. Area-weighted where it shrinks, linear where it grows.
 pub fn fitted(image: &Image, width_px: usize, height_px: usize) -> Image {
     if (image.width(), image.height()) == (width_px, height_px) {
@@ -20,7 +20,7 @@ pub fn fitted(image: &Image, width_px: usize, height_px: usize) -> Image {
     let scale = (width_px as f64 / image.width() as f64).min(height_px as f64 / image.height() as f64);
     let side = |length: usize, most: usize| ((length as f64 * scale).round() as usize).clamp(1, most);
     let (width, height) = (side(image.width(), width_px), side(image.height(), height_px));
-    // the library's grey levels of this type are 0..=1, and others are cut off
+    // the library's gray levels of this type are 0..=1, and others are cut off
     let levels: Vec<f32> = image.pixels().iter().map(|v| v / BRIGHTEST).collect();
     let plane: ImageBuffer<Luma<f32>, _> =
         ImageBuffer::from_raw(image.width() as u32, image.height() as u32, levels)

@@ -1,34 +1,35 @@
-//! Two databases judged on the same frames: is the candidate worse than the one in use, beyond chance?
+//! Paired comparison of two databases on the same frames, by the sign test: is the candidate worse than the database in
+//! use, beyond chance?
 //!
 //! Frames of one exemplar resemble each other, so chance explains somewhat more than the sign test grants: the test
 //! errs on the side of the database in use.
 
-/// A candidate that is worse by chance alone looks as bad as this one time in twenty.
+/// Significance level: an equally good candidate is called worse in at most one comparison of twenty.
 const SIGNIFICANCE: f64 = 0.05;
 
-/// How a candidate and the database in use did on the same frames.
+/// How many frames a candidate and the database in use answered correctly, of the same frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Frames that both were shown.
+    /// Frames that both were asked about.
     pub trials: usize,
-    /// What the candidate said rightly.
+    /// Frames that the candidate answered correctly.
     pub candidate_right: usize,
-    /// What the database in use said rightly.
+    /// Frames that the database in use answered correctly.
     pub current_right: usize,
-    /// Right by the candidate alone.
+    /// Frames that the candidate alone answered correctly.
     pub candidate_only: usize,
-    /// Right by the database in use alone.
+    /// Frames that the database in use alone answered correctly.
     pub current_only: usize,
-    /// The chance that of the frames on which they differ so many or more go to the database in use, if both are
-    /// equally good (sign test).
+    /// Probability that, of the frames on which they differ, as many as [`Comparison::current_only`] or more go to the
+    /// database in use if both are equally good (one-sided sign test).
     pub p_value: f64,
 }
 
 impl Comparison {
-    /// Compare what was said rightly, frame by frame.
+    /// Compares the correctness of the answers, frame by frame.
     ///
     /// # Panics
-    /// If they weren't shown the same number of frames.
+    /// If `candidate` and `current` differ in length.
     pub fn of(candidate: &[bool], current: &[bool]) -> Comparison {
         assert_eq!(candidate.len(), current.len(), "the same frames");
         let count = |wanted: fn(bool, bool) -> bool| {
@@ -41,19 +42,19 @@ impl Comparison {
             current_right: count(|_, b| b),
             candidate_only,
             current_only,
-            p_value: at_least(current_only, candidate_only + current_only),
+            p_value: binomial_tail(current_only, candidate_only + current_only),
         }
     }
 
-    /// Whether the candidate is worse beyond chance.
+    /// Whether the candidate is significantly worse.
     pub fn candidate_is_worse(&self) -> bool {
         self.p_value < SIGNIFICANCE
     }
 }
 
-/// The chance of `heads` or more heads in `tosses` of a fair coin.
-fn at_least(heads: usize, tosses: usize) -> f64 {
-    // each chance from the one before, in logarithms as 2^-tosses may be too small for a number
+/// Probability of `heads` or more heads in `tosses` of a fair coin.
+fn binomial_tail(heads: usize, tosses: usize) -> f64 {
+    // each term from the one before, in logarithms as 2^-tosses may underflow
     let mut logarithm = -(tosses as f64) * std::f64::consts::LN_2;
     let mut sum = 0.0;
     for k in 0..=tosses {
@@ -71,10 +72,10 @@ mod tests {
 
     #[test]
     fn a_coin_shows_heads_as_often_as_it_should() {
-        assert_eq!(at_least(0, 0), 1.0);
-        assert!((at_least(5, 5) - 1.0 / 32.0).abs() < 1e-12);
-        assert!((at_least(2, 3) - 0.5).abs() < 1e-12);
-        assert!((at_least(5000, 10_000) - 0.504).abs() < 1e-3);
+        assert_eq!(binomial_tail(0, 0), 1.0);
+        assert!((binomial_tail(5, 5) - 1.0 / 32.0).abs() < 1e-12);
+        assert!((binomial_tail(2, 3) - 0.5).abs() < 1e-12);
+        assert!((binomial_tail(5000, 10_000) - 0.504).abs() < 1e-3);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What is seen, and where: training and recognition as values in, values out.
+//! Recognition of places and objects: training and recognition as values in, values out.
 
 pub mod comparison;
 pub mod landmarks;

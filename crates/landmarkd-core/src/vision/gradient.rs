@@ -1,4 +1,4 @@
-//! The gradient, grey levels per pixel: Sobel's operator over 8, with mirror borders.
+//! The gradient, gray levels per pixel: Sobel's operator over 8, with mirror borders.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -39,7 +39,7 @@ impl GradientRows {
         GradientRows { sum: vec![0.0; width + 2], difference: vec![0.0; width + 2] }
     }
 
-    /// Write the gradient along row `row` of the image, which is as wide as this was made for.
+    /// Writes the gradient along row `row` of the image, which is as wide as this was made for.
     pub fn write(&mut self, image: &Image, row: usize, out_x: &mut [f32], out_y: &mut [f32]) {
         let (width, height) = (image.width(), image.height());
         let GradientRows { sum, difference } = self;

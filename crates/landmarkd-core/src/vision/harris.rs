@@ -16,7 +16,7 @@ const EDGE: f32 = 0.04;
 
 /// How much the image changes in both directions within `radius_px` of each pixel; of the image's size.
 ///
-/// The image should be smoothed (σ = 1 px) before. Values are grey levels per pixel, 0 on edges and where nothing
+/// The image should be smoothed (σ = 1 px) before. Values are gray levels per pixel, 0 on edges and where nothing
 /// changes.
 pub fn harris(image: &Image, radius_px: usize) -> Image {
     let Gradient { x, y } = gradient(image);

@@ -13,10 +13,10 @@ const SEPARATION_PX: usize = 3;
 const LEAST_SALIENCE: f32 = 1e-3;
 /// Pixels and rows that a maximum is compared with, itself among them.
 const REACH_PX: usize = 2 * SEPARATION_PX + 1;
-/// Pixels of a row looked at together for peaks, of which there are few.
+/// Pixels of a row that are tested together for peaks, as peaks are few.
 const TILE_PX: usize = 32;
 
-/// A place worth looking at.
+/// A local maximum of an attention map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterestPoint {
     /// Column, a whole number.
@@ -46,41 +46,48 @@ pub fn interest_points(map: &Image) -> Vec<InterestPoint> {
             Arch::new().dispatch(Highest { out: &mut across[next % REACH_PX * width..][..width], rows });
             next += 1;
         }
-        // at the border, one of those there are again
+        // at the border, one of the rows that exist again
         let row = |shift: usize| (y + shift).saturating_sub(SEPARATION_PX).min(height - 1);
         let rows = std::array::from_fn(|shift| &across[row(shift) % REACH_PX * width..]);
         Arch::new().dispatch(Highest { out: &mut highest, rows });
-        for (tile, (map_tile, highest)) in map.row(y).chunks(TILE_PX).zip(highest.chunks(TILE_PX)).enumerate()
-        {
-            let is_peak =
-                |(salience, highest): (&f32, &f32)| salience >= highest && *salience > LEAST_SALIENCE;
-            // counting first, without a branch, passes over most tiles
-            let peaks: u32 = map_tile.iter().zip(highest).map(|pair| u32::from(is_peak(pair))).sum();
-            if peaks == 0 {
-                continue;
-            }
-            for (x, pair) in (tile * TILE_PX..).zip(map_tile.iter().zip(highest)) {
-                if is_peak(pair) && !follows_an_equal(map, x, y) {
-                    points.push(InterestPoint { x_px: x as f32, y_px: y as f32, salience: *pair.0 });
-                }
-            }
-        }
+        let peaks = peaks(map.row(y), &highest).filter(|&x| !follows_an_equal(map, x, y));
+        points.extend(peaks.map(|x| InterestPoint {
+            x_px: x as f32,
+            y_px: y as f32,
+            salience: map.at(x, y),
+        }));
     }
     points.sort_by(|a, b| b.salience.total_cmp(&a.salience)); // stable: equal ones stay in reading order
     points
 }
 
-/// The points in another order: the first of every square of `side_px`, then the second of every square, and so
-/// on; those of the same rank stay in their order.
-pub fn spread(points: &[InterestPoint], side_px: usize) -> Vec<InterestPoint> {
-    let square = |point: &InterestPoint| (point.x_px as usize / side_px, point.y_px as usize / side_px);
+/// Columns of a row that are as high as the highest within reach, and salient.
+fn peaks(row: &[f32], highest: &[f32]) -> impl Iterator<Item = usize> {
+    let is_peak = |(salience, highest): (&f32, &f32)| salience >= highest && *salience > LEAST_SALIENCE;
+    let tiles = row.chunks(TILE_PX).zip(highest.chunks(TILE_PX)).enumerate();
+    // counting without a branch rules out most tiles
+    let count = move |row: &[f32], highest: &[f32]| -> u32 {
+        row.iter().zip(highest).map(|pair| u32::from(is_peak(pair))).sum()
+    };
+    tiles.filter(move |(_, (row, highest))| count(row, highest) > 0).flat_map(
+        move |(tile, (row, highest))| {
+            let columns = (tile * TILE_PX..).zip(row.iter().zip(highest));
+            columns.filter(move |(_, pair)| is_peak(*pair)).map(|(x, _)| x)
+        },
+    )
+}
+
+/// The points in another order (bucketing): the first of every cell of a grid of `cell_px`, then the second of every
+/// cell, and so on; points of the same rank keep their order.
+pub fn bucketed(points: &[InterestPoint], cell_px: usize) -> Vec<InterestPoint> {
+    let cell = |point: &InterestPoint| (point.x_px as usize / cell_px, point.y_px as usize / cell_px);
     let (columns, rows) =
-        points.iter().map(square).fold((0, 0), |(x, y), (sx, sy)| (x.max(sx + 1), y.max(sy + 1)));
+        points.iter().map(cell).fold((0, 0), |(x, y), (sx, sy)| (x.max(sx + 1), y.max(sy + 1)));
     let mut counts = vec![0_usize; columns * rows];
     let mut ranked: Vec<(usize, InterestPoint)> = points
         .iter()
         .map(|point| {
-            let (x, y) = square(point);
+            let (x, y) = cell(point);
             let count = &mut counts[y * columns + x];
             *count += 1;
             (*count, *point)
@@ -198,8 +205,8 @@ mod tests {
     fn all_of_a_picture_is_looked_at_before_a_part_of_it_twice() {
         let point = |x_px: f32, salience: f32| InterestPoint { x_px, y_px: 5.0, salience };
         let points = [point(1.0, 9.0), point(7.0, 8.0), point(20.0, 3.0), point(9.0, 2.0), point(30.0, 1.0)];
-        let order: Vec<f32> = spread(&points, 10).iter().map(|p| p.x_px).collect();
+        let order: Vec<f32> = bucketed(&points, 10).iter().map(|p| p.x_px).collect();
         assert_eq!(order, [1.0, 20.0, 30.0, 7.0, 9.0]);
-        assert_eq!(spread(&[], 10), []);
+        assert_eq!(bucketed(&[], 10), []);
     }
 }

@@ -20,7 +20,7 @@ pub mod theta_spectrum;
 
 pub use gradient::{Gradient, gradient};
 pub use harris::harris;
-pub use interest_points::{InterestPoint, interest_points, spread};
+pub use interest_points::{InterestPoint, bucketed, interest_points};
 pub use opponent::OpponentPlan;
 pub use option_fault::OptionFault;
 pub use signature::{Normalise, SignaturePlan, SignatureScratch, Taper};

@@ -1,13 +1,13 @@
 //! The colour part of a signature: amplitudes of a polar sub-window of an opponent plane, per ring.
 //!
-//! In absolute units (grey levels over 64), the mean with its sign: red is not green, and pale is not
-//! strong. Invariant to turns as the gray signature is; not to the colour of the light.
+//! In absolute units (gray levels over 64), the mean with its sign, so that red differs from green and pale from
+//! saturated. Invariant to rotation as the gray signature is; not to the colour of the light.
 
 use std::f64::consts::TAU;
 
 /// Frequencies along θ that are kept of each ring: the mean and three more.
 const FREQUENCIES: usize = 4;
-/// The unit of an opponent plane, in grey levels.
+/// The unit of an opponent plane, in gray levels.
 const UNIT: f64 = 64.0;
 /// The Gaussian over the radius has this part of the window's radius as σ.
 const SIGMA: f64 = 1.0 / 1.5;
@@ -51,7 +51,7 @@ impl OpponentPlan {
         self.rings * (1 + self.waves.len())
     }
 
-    /// Write the amplitudes of one sub-window of an opponent plane, times `weight`, ring by ring.
+    /// Writes the amplitudes of one sub-window of an opponent plane, times `weight`, ring by ring.
     ///
     /// # Panics
     /// If `samples` does not hold rings × sectors values or `amplitudes` not [`OpponentPlan::length`].

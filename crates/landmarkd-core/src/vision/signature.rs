@@ -9,7 +9,7 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
-/// Which samples of a sub-window count how much.
+/// The weighting of a sub-window's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taper {
     /// A Gaussian of the radius alone, σ a quarter of the window's length: θ is periodic and needs no
@@ -20,21 +20,21 @@ pub enum Taper {
     Literal,
 }
 
-/// What is made equal between sub-windows before and after the transform.
+/// The normalisation of sub-windows and signatures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normalise {
     /// Mean removed, deviation made one, signature of unit length: brightness and contrast don't matter.
     Contrast,
     /// Signature of unit length, the mean kept: only contrast about black doesn't matter.
     Energy,
-    /// Grey levels as they are; a white window's signature has length 1.
+    /// Gray levels as they are; a white window's signature has length 1.
     None,
 }
 
-/// Sub-windows whose deviation is below this, in grey levels, show nothing: their signature is zero.
+/// Sub-windows whose deviation is below this, in gray levels, have no contrast: their signature is zero.
 const LEAST_DEVIATION: f32 = 1e-2;
 
-/// All that is computed once for signatures of one shape; shared between threads.
+/// Tables and transforms for signatures of one shape; shared between threads.
 #[derive(Clone)]
 pub struct SignaturePlan {
     rings: usize,
@@ -91,8 +91,8 @@ impl SignaturePlan {
         }
     }
 
-    /// Write the signature of one sub-window, and tell whether there is anything to see in it; allocates
-    /// nothing. The signature of a sub-window without anything to see is zero.
+    /// Writes the signature of one sub-window; returns whether it has any contrast. Allocates
+    /// nothing. The signature of a sub-window without contrast is zero.
     ///
     /// # Panics
     /// If `samples` does not hold rings × sectors values or `signature` not [`SignaturePlan::length`].
@@ -104,34 +104,10 @@ impl SignaturePlan {
             return false;
         };
 
-        let (sectors, half) = (self.sectors, self.sectors / 2 + 1);
-        let value = |ring: usize, sector: usize| {
-            let at = ring * sectors + sector;
-            (samples[at] - offset) * scale * self.taper[at]
-        };
-        for (pair, row) in scratch.rows.chunks_exact_mut(sectors).enumerate() {
-            let (first, second) = (2 * pair, 2 * pair + 1);
-            for (sector, z) in row.iter_mut().enumerate() {
-                let im = if second < self.rings { value(second, sector) } else { 0.0 };
-                *z = Complex32::new(value(first, sector), im);
-            }
-        }
+        self.fill_rows(samples, offset, scale, &mut scratch.rows);
         self.along_theta.process_with_scratch(&mut scratch.rows, &mut scratch.inner); // A§4.4
-
-        // Z = A + iB of two real rings: A = (Z(k) + Z*(−k))/2, B = (Z(k) − Z*(−k))/2i
-        for (pair, row) in scratch.rows.chunks_exact(sectors).enumerate() {
-            for k in 0..half {
-                let (z, w) = (row[k], row[(sectors - k) % sectors].conj());
-                let column = &mut scratch.columns[k * self.rings..][..self.rings];
-                column[2 * pair] = (z + w) * 0.5;
-                if let Some(second) = column.get_mut(2 * pair + 1) {
-                    let d = (z - w) * 0.5;
-                    *second = Complex32::new(d.im, -d.re);
-                }
-            }
-        }
+        self.separate(&scratch.rows, &mut scratch.columns);
         self.along_r.process_with_scratch(&mut scratch.columns, &mut scratch.inner); // A§4.4
-
         for (amplitude, z) in signature.iter_mut().zip(&scratch.columns) {
             *amplitude = (z.re * z.re + z.im * z.im).sqrt();
         }
@@ -147,9 +123,41 @@ impl SignaturePlan {
         }
         visible
     }
+
+    /// Two tapered real rings to each complex row.
+    fn fill_rows(&self, samples: &[f32], offset: f32, scale: f32, rows: &mut [Complex32]) {
+        let sectors = self.sectors;
+        let value = |ring: usize, sector: usize| {
+            let at = ring * sectors + sector;
+            (samples[at] - offset) * scale * self.taper[at]
+        };
+        for (pair, row) in rows.chunks_exact_mut(sectors).enumerate() {
+            let (first, second) = (2 * pair, 2 * pair + 1);
+            for (sector, z) in row.iter_mut().enumerate() {
+                let im = if second < self.rings { value(second, sector) } else { 0.0 };
+                *z = Complex32::new(value(first, sector), im);
+            }
+        }
+    }
+
+    /// The spectra of the rings, frequency by frequency: of Z = A + iB, A = (Z(k) + Z*(−k))/2 and B = (Z(k) − Z*(−k))/2i.
+    fn separate(&self, rows: &[Complex32], columns: &mut [Complex32]) {
+        let sectors = self.sectors;
+        for (pair, row) in rows.chunks_exact(sectors).enumerate() {
+            for k in 0..=sectors / 2 {
+                let (z, w) = (row[k], row[(sectors - k) % sectors].conj());
+                let column = &mut columns[k * self.rings..][..self.rings];
+                column[2 * pair] = (z + w) * 0.5;
+                if let Some(second) = column.get_mut(2 * pair + 1) {
+                    let d = (z - w) * 0.5;
+                    *second = Complex32::new(d.im, -d.re);
+                }
+            }
+        }
+    }
 }
 
-/// What is subtracted from the samples and what they are then multiplied by; `None` if there is nothing to see.
+/// Offset and scale that normalise the samples' brightness, (v − offset) · scale; `None` without contrast.
 pub(super) fn brightness(samples: &[f32], normalise: Normalise) -> Option<(f32, f32)> {
     match normalise {
         Normalise::Energy | Normalise::None => Some((0.0, 1.0)),

@@ -28,7 +28,7 @@ pub struct PolarSubwindow {
     pub rings: usize,
     /// Columns.
     pub sectors: usize,
-    /// Grey levels, ring by ring.
+    /// Gray levels, ring by ring.
     pub samples: Vec<f32>,
 }
 
@@ -64,7 +64,7 @@ impl PolarGrid {
         PolarSubwindow { rings: self.rings, sectors: self.sectors, samples }
     }
 
-    /// Write the samples of the sub-window about a point, ring by ring.
+    /// Writes the samples of the sub-window about a point, ring by ring.
     ///
     /// # Panics
     /// If `samples` does not hold rings × sectors values, or the image is empty.
@@ -83,7 +83,7 @@ struct Sample<'a> {
     samples: &'a mut [f32],
 }
 
-/// The position held within 0..=`last`. Not by `clamp`, which keeps what is no number.
+/// The position clamped to 0..=`last`, NaN to 0: unlike `clamp`, which keeps NaN.
 #[inline(always)]
 fn within(position: f32, last: f32) -> f32 {
     let position = if position > 0.0 { position } else { 0.0 };

@@ -56,7 +56,7 @@ pub fn symmetry_map(image: &Image, radius_px: usize) -> Image {
 struct AllPairs<'a> {
     edges: &'a EdgeRows,
     pairs: &'a [Pair],
-    /// Where the two partners of the row's first pixel stand, for each pair.
+    /// For each pair, the indices of the two partners of the row's first pixel.
     places: &'a [(usize, usize)],
     out: &'a mut [f32],
 }
@@ -115,7 +115,7 @@ fn pairs(radius_px: usize) -> Vec<Pair> {
 }
 
 impl Pair {
-    /// Add this pair's part to every pixel of a tile, given the three planes along both lines of partners.
+    /// Adds this pair's part to every pixel of a tile, given the three planes along both lines of partners.
     #[inline(always)]
     fn add(
         &self,
@@ -134,7 +134,7 @@ impl Pair {
 struct EdgeRows {
     radius_px: usize,
     stride: usize,
-    /// A ring of 2·radius + 1 rows: row y stands at y modulo that.
+    /// A ring of 2·radius + 1 rows: row y is at y modulo that.
     strength: Vec<f32>,
     x: Vec<f32>,
     y: Vec<f32>,
@@ -159,7 +159,7 @@ impl EdgeRows {
         }
     }
 
-    /// Take up a row, for the one that is 2·radius + 1 before it; below the image, a row of zeros.
+    /// Replaces the oldest row of the ring by `row`; below the image, by zeros.
     fn advance(&mut self, image: &Image, row: usize) {
         let width = image.width();
         let start = row % (2 * self.radius_px + 1) * self.stride + self.radius_px;
@@ -176,7 +176,7 @@ impl EdgeRows {
         }
     }
 
-    /// Where the pixel (dx, y + dy) stands in the ring's planes.
+    /// Index of the pixel (dx, y + dy) in the ring's planes.
     fn place(&self, y: usize, dx: isize, dy: isize) -> usize {
         let kept = 2 * self.radius_px + 1;
         let row = (y + kept).wrapping_add_signed(dy) % kept;

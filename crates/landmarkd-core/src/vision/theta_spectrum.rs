@@ -1,6 +1,5 @@
-//! The Fourier transform of a polar sub-window along θ, ring by ring. Its amplitudes are a signature that turns
-//! don't change and that keeps the rings apart; its phases tell by how much one sub-window is turned against
-//! another.
+//! The Fourier transform of a polar sub-window along θ, ring by ring. Its amplitudes are a signature that is invariant to
+//! rotation and keeps the rings apart; its phases give the rotation of one sub-window against another.
 //!
 //! A spectrum holds, for each ring, the real parts of the [`FREQUENCIES`] lowest frequencies and then their
 //! imaginary parts, each times √2 except frequency 0: so the sum of squares is that of the real signal's whole
@@ -25,7 +24,7 @@ const HALF: usize = TURNS / 2;
 /// counts by the root of its area.
 const SIGMA: f64 = 1.0 / 1.5;
 
-/// All that is computed once for spectra of one shape; shared between threads.
+/// Tables for spectra of one shape; shared between threads.
 #[derive(Clone, Debug)]
 pub struct ThetaPlan {
     rings: usize,
@@ -39,7 +38,7 @@ pub struct ThetaPlan {
     sines: [[f32; HALF]; FREQUENCIES],
 }
 
-/// A spectrum in whole numbers, −127..=127, as trained databases hold it, and how long it is.
+/// A spectrum quantised to −127..=127, as trained databases hold it, and its length.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptSpectrum<'a> {
     /// rings × 2 × [`FREQUENCIES`].
@@ -48,7 +47,7 @@ pub struct KeptSpectrum<'a> {
     pub length: f32,
 }
 
-/// How one sub-window is turned against another.
+/// The rotation of one sub-window against another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeTurn {
     /// From x towards y, in (−π, π].
@@ -97,8 +96,8 @@ impl ThetaPlan {
         self.rings * FREQUENCIES
     }
 
-    /// Write the spectrum of a sub-window and its amplitudes, of unit length together, and tell whether there
-    /// is anything to see in it; allocates nothing.
+    /// Writes the spectrum of a sub-window and its amplitudes, of unit length together; returns whether
+    /// the sub-window has any contrast. Allocates nothing.
     ///
     /// # Panics
     /// If `samples` does not hold rings × sectors values, `spectrum` not [`ThetaPlan::length`], or
@@ -120,8 +119,8 @@ impl ThetaPlan {
         self.rings * self.sectors
     }
 
-    /// Write the sub-window itself, made equal in brightness as asked, tapered and of unit length; tell whether
-    /// there is anything to see in it.
+    /// Writes the sub-window itself, normalised in brightness as the plan says, tapered and of unit length;
+    /// returns whether it has any contrast.
     ///
     /// # Panics
     /// If `samples` or `window` do not hold rings × sectors values.
@@ -142,7 +141,7 @@ impl ThetaPlan {
         length > 0.0
     }
 
-    /// By how much the sub-window of `query` is turned against that of `kept`.
+    /// The rotation of the sub-window of `query` against that of `kept`, where their circular correlation peaks.
     pub fn relative_turn(&self, query: &[f32], query_length: f32, kept: KeptSpectrum<'_>) -> RelativeTurn {
         let correlation = Arch::new().dispatch(Correlate { plan: self, query, kept: kept.numbers });
         let mut best = 0;
@@ -164,12 +163,12 @@ impl ThetaPlan {
     }
 }
 
-/// The length of a spectrum, as [`ThetaPlan::relative_turn`] wants it.
+/// The Euclidean length of a spectrum.
 pub fn spectrum_length(spectrum: &[f32]) -> f32 {
     spectrum.iter().map(|v| v * v).sum::<f32>().sqrt()
 }
 
-/// A spectrum in whole numbers: the largest becomes ±127.
+/// Quantises a spectrum: the largest number becomes ±127.
 pub fn kept_spectrum(spectrum: &[f32], numbers: &mut Vec<i8>) {
     let largest = spectrum.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
     let scale = if largest > 0.0 { 127.0 / largest } else { 0.0 };
@@ -274,6 +273,7 @@ impl WithSimd for Correlate<'_> {
 mod tests {
     use super::super::PolarGrid;
     use super::*;
+    use crate::angle::angular_distance_deg;
     use crate::imaging::{Frame, Image};
 
     fn blobs() -> Image {
@@ -306,8 +306,8 @@ mod tests {
             let (turned, turned_amplitudes) = described(&plan, &picture.turned(degrees).luminance);
             let kept = KeptSpectrum { numbers: &numbers, length };
             let found = plan.relative_turn(&turned, spectrum_length(&turned), kept);
-            let error = (f64::from(found.turn_rad.to_degrees()) - degrees + 180.0).rem_euclid(360.0) - 180.0;
-            assert!(error.abs() < 2.0, "{degrees}: {found:?}");
+            let error_deg = angular_distance_deg(f64::from(found.turn_rad.to_degrees()), degrees);
+            assert!(error_deg < 2.0, "{degrees}: {found:?}");
             assert!(found.correlation > 0.97, "{degrees}: {found:?}");
             let change: f32 = amplitudes.iter().zip(&turned_amplitudes).map(|(a, b)| (a - b).powi(2)).sum();
             assert!(change.sqrt() < 0.06, "{degrees}: {}", change.sqrt());

@@ -1,14 +1,14 @@
 //! Regions and parts drawn on the picture, for people.
 
-use super::{Distance, Inspection, Part};
+use super::{Inspection, Part};
 use crate::imaging::{Frame, Overlay};
 use crate::vision::segmentation::{Region, Segmentation};
 
-/// What is known.
+/// A known object, and a reliable pose.
 const KNOWN: [u8; 3] = [64, 224, 96];
-/// What is not, and what may not be acted on.
+/// An unknown object, and a pose that is not reliable.
 const UNKNOWN: [u8; 3] = [240, 150, 40];
-/// A region as such.
+/// A region that is not recognised.
 const REGION: [u8; 3] = [80, 200, 240];
 const TEXT: [u8; 3] = [255, 255, 255];
 
@@ -18,39 +18,53 @@ pub fn annotate_regions(frame: &Frame, segmentation: &Segmentation) -> Overlay {
     outline(&mut overlay, segmentation, |_| REGION);
     for region in &segmentation.regions {
         mark(&mut overlay, region, REGION);
-        words(&mut overlay, region, &[(region.id.to_string(), TEXT)]);
+        write(&mut overlay, region, &[Line { text: region.id.to_string(), colour: TEXT }]);
     }
     overlay
 }
 
-/// Draw every part with what it is, how it is turned and where the robot reaches; `distances` has one entry a part.
-pub fn annotate(frame: &Frame, inspection: &Inspection, distances: &[Option<Distance>]) -> Overlay {
+/// Draw every part with its label, its pose, its place in the robot's plane and its distance.
+pub fn annotate(frame: &Frame, inspection: &Inspection) -> Overlay {
     let mut overlay = Overlay::on(frame);
-    let colour = |part: &Part| if part.recognition.decision.is_some() { KNOWN } else { UNKNOWN };
-    outline(&mut overlay, &inspection.segmentation, |id| colour(&inspection.parts[id - 1]));
-    for (at, part) in inspection.parts.iter().enumerate() {
-        mark(&mut overlay, &part.region, colour(part));
-        let mut lines = Vec::new();
-        match &part.recognition.decision {
-            None => lines.push((format!("{} unknown", part.region.id), UNKNOWN)),
-            Some(decision) => {
-                lines.push((format!("{} {}", part.region.id, decision.label), KNOWN));
-                if let Some(pose) = decision.pose {
-                    let told = format!("{:.1}\u{b0} \u{b1}{:.1}\u{b0}", pose.turn_deg, pose.sigma_deg);
-                    lines.push((told, if pose.reliable { KNOWN } else { UNKNOWN }));
-                }
-            }
-        }
-        if let Some([x, y]) = part.robot_mm {
-            lines.push((format!("{x:.1}, {y:.1} mm"), TEXT));
-        }
-        if let Some(Some(distance)) = distances.get(at) {
-            let sigma = distance.sigma_mm.map_or(String::new(), |mm| format!(" \u{b1}{mm:.1}"));
-            lines.push((format!("{:.1}{sigma} mm far", distance.distance_mm), TEXT));
-        }
-        words(&mut overlay, &part.region, &lines);
+    outline(&mut overlay, &inspection.segmentation, |id| part_colour(&inspection.parts[id - 1]));
+    for part in &inspection.parts {
+        mark(&mut overlay, &part.region, part_colour(part));
+        write(&mut overlay, &part.region, &lines(part));
     }
     overlay
+}
+
+fn part_colour(part: &Part) -> [u8; 3] {
+    if part.recognition.decision.is_some() { KNOWN } else { UNKNOWN }
+}
+
+/// A line of text beside a region.
+struct Line {
+    text: String,
+    colour: [u8; 3],
+}
+
+fn lines(part: &Part) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let mut line = |text, colour| lines.push(Line { text, colour });
+    match &part.recognition.decision {
+        None => line(format!("{} unknown", part.region.id), UNKNOWN),
+        Some(decision) => {
+            line(format!("{} {}", part.region.id, decision.label), KNOWN);
+            if let Some(pose) = decision.pose {
+                let text = format!("{:.1}\u{b0} \u{b1}{:.1}\u{b0}", pose.turn_deg, pose.sigma_deg);
+                line(text, if pose.reliable { KNOWN } else { UNKNOWN });
+            }
+        }
+    }
+    if let Some([x, y]) = part.robot_mm {
+        line(format!("{x:.1}, {y:.1} mm"), TEXT);
+    }
+    if let Some(distance) = part.distance {
+        let sigma = distance.sigma_mm.map_or(String::new(), |mm| format!(" \u{b1}{mm:.1}"));
+        line(format!("{:.1}{sigma} mm far", distance.distance_mm), TEXT);
+    }
+    lines
 }
 
 /// The edges between pixels of a region and others.
@@ -86,13 +100,13 @@ fn mark(overlay: &mut Overlay, region: &Region, colour: [u8; 3]) {
     }
 }
 
-/// Words to the right of the region's box, line by line.
-fn words(overlay: &mut Overlay, region: &Region, lines: &[(String, [u8; 3])]) {
+/// Write lines to the right of the region's box.
+fn write(overlay: &mut Overlay, region: &Region, lines: &[Line]) {
     let bounds = region.bbox_px;
     let (x, y) = ((bounds.x + bounds.width) as f32 + 2.0, bounds.y as f32);
     let line_px = overlay.line_height_px();
-    for (line, (words, colour)) in lines.iter().enumerate() {
-        overlay.text(x, y + line as f32 * line_px, words, *colour);
+    for (number, line) in lines.iter().enumerate() {
+        overlay.text(x, y + number as f32 * line_px, &line.text, line.colour);
     }
 }
 
@@ -102,6 +116,7 @@ mod tests {
     use crate::imaging::{DecodeLimits, Image, decode};
     use crate::recognition::objects::{Decision, Pose, Recognition};
     use crate::vision::segmentation::{SegmentationOptions, segmented};
+    use crate::workcell::PartDistance;
 
     fn frame() -> Frame {
         Frame::gray(Image::from_fn(400, 300, |x, y| {
@@ -132,23 +147,28 @@ mod tests {
     fn what_is_known_is_green_and_what_is_not_is_orange() {
         let frame = frame();
         let segmentation = segmented(&frame.luminance, &SegmentationOptions::default());
-        let inspection = |decision: Option<Decision>| Inspection {
+        let inspection = |decision: Option<Decision>, distance: Option<PartDistance>| Inspection {
             parts: vec![Part {
                 region: segmentation.regions[0].clone(),
                 robot_mm: Some([120.0, -30.0]),
                 robot_deg: None,
                 recognition: Recognition { decision, candidates: Vec::new(), warnings: Vec::new() },
+                is_in_pair: distance.is_some(),
+                distance,
             }],
             segmentation: segmentation.clone(),
+            warnings: Vec::new(),
         };
+        let drawn_with =
+            |decision, depth, colour| drawn(annotate(&frame, &inspection(decision, depth)), colour);
         let pose = |reliable| Pose { turn_deg: 70.0, sigma_deg: 1.5, reliable, alternative_deg: None };
         let known = |reliable| Decision { label: "mug".into(), confidence: None, pose: Some(pose(reliable)) };
-        let count = |decision, colour| drawn(annotate(&frame, &inspection(decision), &[None]), colour);
+        let count = |decision, colour| drawn_with(decision, None, colour);
         assert!(count(Some(known(true)), KNOWN) > 200 && count(Some(known(true)), UNKNOWN) == 0);
         assert!(count(Some(known(false)), KNOWN) > 200 && count(Some(known(false)), UNKNOWN) > 20);
         assert!(count(None, UNKNOWN) > 200 && count(None, KNOWN) == 0);
-        let far = Distance { distance_mm: 500.0, sigma_mm: Some(1.0), coverage: 0.9 };
-        let with = drawn(annotate(&frame, &inspection(None), &[Some(far)]), TEXT);
+        let far = PartDistance { distance_mm: 500.0, sigma_mm: Some(1.0), coverage: 0.9 };
+        let with = drawn_with(None, Some(far), TEXT);
         assert!(with > count(None, TEXT) + 20, "the distance is written");
     }
 }

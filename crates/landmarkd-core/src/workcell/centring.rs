@@ -1,4 +1,4 @@
-//! Centring with the camera at the gripper: by how much the part nearest the picture's middle is off it.
+//! Centring with the camera at the gripper: the offset of the part nearest the picture's middle.
 
 use super::Workcell;
 use crate::imaging::Image;
@@ -13,20 +13,23 @@ pub struct LocalCamera {
     pub rotation_deg: f64,
 }
 
-/// How far off the middle a part is.
+/// The offset of a part from the picture's middle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Centring {
+    /// The part's.
     pub region: Region,
-    /// Its centroid less the picture's middle, x and y.
+    /// The region's centroid less the picture's middle, x and y.
     pub move_px: [f64; 2],
     /// By how much the gripper must move to have it in the middle, X and Y; `None` if the local camera isn't known.
     pub move_mm: Option<[f64; 2]>,
+    /// Length of `move_px`.
+    pub distance_px: f64,
     /// Whether it is within the tolerance.
     pub centred: bool,
 }
 
 impl LocalCamera {
-    /// What a way in the image is on the table, X and Y in mm.
+    /// A displacement in the image as one in the robot's plane, X and Y in mm.
     fn move_mm(&self, [x, y]: [f64; 2], flip_y: bool) -> [f64; 2] {
         let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
         let y = if flip_y { -y } else { y };
@@ -40,13 +43,15 @@ pub fn centring(luminance: &Image, workcell: &Workcell) -> Option<Centring> {
     let region = segmentation.central()?.clone();
     let middle = segmentation.middle_px();
     let move_px = [0, 1].map(|axis| region.centroid_px[axis] - middle[axis]);
+    let distance_px = move_px[0].hypot(move_px[1]);
     Some(Centring {
         move_px,
-        // Both cameras look the same way down: what the correspondences say is what holds.
+        // Both cameras have one handedness: that of the correspondences.
         move_mm: workcell
             .local
             .map(|camera| camera.move_mm(move_px, workcell.flip_y != workcell.mapping.mirrored)),
-        centred: move_px[0].hypot(move_px[1]) <= workcell.tolerance_px,
+        distance_px,
+        centred: distance_px <= workcell.tolerance_px,
         region,
     })
 }

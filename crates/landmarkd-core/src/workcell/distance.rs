@@ -1,26 +1,27 @@
-//! How far away a part is: the depth map within its region.
+//! The distance of a part: the depth map within its region.
 
 use crate::depth::DepthMap;
+use crate::statistics::median;
 use crate::vision::segmentation::{Region, Segmentation};
 
 /// The distance of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Distance {
+pub struct PartDistance {
     /// Median of the depths within the region.
     pub distance_mm: f64,
-    /// Standard deviation to be expected, if the method tells one: that of a single depth, by its median. What is wrong with one depth of a part
-    /// is wrong with its neighbours, so that many make the median hardly surer.
+    /// Standard deviation to be expected: the median of that of single depths, since the errors of neighbouring depths
+    /// are correlated and hardly average out. `None` if the method gives none.
     pub sigma_mm: Option<f64>,
     /// Part of the region's pixels that have a depth, above 0.
     pub coverage: f64,
 }
 
-impl Distance {
+impl PartDistance {
     /// The distance of a region; `None` if none of its pixels has a depth.
     ///
     /// # Panics
     /// If map and segmentation are of different size.
-    pub fn of(region: &Region, segmentation: &Segmentation, map: &DepthMap) -> Option<Distance> {
+    pub fn of(region: &Region, segmentation: &Segmentation, map: &DepthMap) -> Option<PartDistance> {
         let size = (segmentation.width(), segmentation.height());
         assert_eq!((map.width(), map.height()), size, "a map of the picture's size");
         let inside = segmentation
@@ -31,11 +32,7 @@ impl Distance {
             inside.map(|at| (map.depth_mm()[at], map.sigma_mm()[at])).unzip();
         sigmas.retain(|sigma| sigma.is_finite());
         let coverage = depths.len() as f64 / region.area_px as f64;
-        Some(Distance { distance_mm: median(&mut depths)?, sigma_mm: median(&mut sigmas), coverage })
+        let median = |values: &mut [f32]| median(values, f32::total_cmp).map(f64::from);
+        Some(PartDistance { distance_mm: median(&mut depths)?, sigma_mm: median(&mut sigmas), coverage })
     }
-}
-
-fn median(values: &mut [f32]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1))
 }

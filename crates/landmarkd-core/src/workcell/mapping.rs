@@ -1,5 +1,5 @@
-//! From the overview camera's pixels to the robot's millimetres: a similarity, an affine map or a homography, fitted to
-//! correspondences by least squares in the robot's plane.
+//! The map from the overview camera's pixels to the robot's millimetres: a similarity, an affine map or a homography,
+//! fitted to correspondences by least squares in the robot's plane (Hartley and Zisserman, chapter 4).
 
 use thiserror::Error;
 
@@ -14,7 +14,7 @@ pub struct Correspondence {
     pub robot_mm: [f64; 2],
 }
 
-/// What a mapping keeps.
+/// The group of a mapping: what it preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MappingKind {
     /// Shapes: turned, scaled and moved. Two correspondences are the least.
@@ -25,19 +25,43 @@ pub enum MappingKind {
     Homography,
 }
 
-/// Why correspondences make no mapping.
+/// Why no mapping can be fitted.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MappingError {
+    /// The mapping has more parameters than the correspondences determine.
     #[error("{given} correspondences are too few: {needed} are the least")]
-    TooFew { given: usize, needed: usize },
+    TooFew {
+        /// Number of correspondences.
+        given: usize,
+        /// The least number for the kind of mapping.
+        needed: usize,
+    },
+    /// Two correspondences have a point in common.
     #[error("correspondences {first} and {second} have the same {what}")]
-    Equal { first: usize, second: usize, what: &'static str },
+    Equal {
+        /// Index of the one.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+        /// `image_px` or `robot_mm`.
+        what: &'static str,
+    },
+    /// All points are on one line.
     #[error("the correspondences' {what} lie on one straight line, or too nearly so")]
-    Collinear { what: &'static str },
+    Collinear {
+        /// `image_px` or `robot_mm`.
+        what: &'static str,
+    },
+    /// A coordinate is not finite, or too large.
     #[error("correspondence {at} has a number that is not finite, or beyond ±1e9")]
-    NotFinite { at: usize },
+    NotFinite {
+        /// Index of the correspondence.
+        at: usize,
+    },
+    /// The homography puts points behind the camera.
     #[error("the correspondences fit no camera: some of them would be behind it")]
     Folded,
+    /// The similarity shrinks the image to a point.
     #[error("no similarity fits the correspondences: flip_y is the wrong way round, or two are exchanged")]
     Unlike,
 }
@@ -45,34 +69,37 @@ pub enum MappingError {
 /// From pixels to the robot's plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mapping {
+    /// Which parameters were fitted.
     pub kind: MappingKind,
     /// Row by row: (X·w, Y·w, w) = matrix · (x, y, 1), in mm and pixels.
     pub matrix: [[f64; 3]; 3],
     /// Root mean square distance of the correspondences from where the mapping puts them.
     pub residual_mm: f64,
-    /// Whether the correspondences speak for the other way round than `flip_y`, which is wrong, or two were exchanged.
+    /// Whether the correspondences have the other handedness than `flip_y` says: it is wrong, or two were exchanged.
     pub mirrored: bool,
 }
 
-/// Points whose breadth is below this part of their length are as good as on a line.
-const LEAST_BREADTH: f64 = 0.01;
-/// Points nearer to each other than this part of their spread are one.
+/// Points whose breadth is below this part of their length are collinear.
+const MIN_BREADTH: f64 = 0.01;
+/// Points nearer to each other than this part of their RMS radius are one.
 const ONE_POINT: f64 = 1e-6;
 /// The second least eigenvalue of a homography's equations by the largest: below it, two homographies fit as well.
-const LEAST_CERTAINTY: f64 = 1e-8;
-/// A homography is fitted again so many times, with the weights that the last one gives.
+const MIN_EIGENVALUE_RATIO: f64 = 1e-8;
+/// Iterations of the reweighted fit of a homography.
 const REWEIGHTINGS: usize = 10;
-/// A similarity that shrinks one spread to less than this part of the other fits nothing.
-const LEAST_LIKENESS: f64 = 0.01;
+/// A similarity of normalised points with a smaller scale fits nothing.
+const MIN_SCALE: f64 = 0.01;
 /// Points nearer to each other than this are one, in pixels and in mm.
 const ONE_PLACE: f64 = 1e-9;
-/// A residual below this part of the spread is rounding.
+/// A residual below this part of the RMS radius is rounding.
 const ROUNDING: f64 = 1e-6;
 /// A mirrored similarity that leaves less than this part of the residual fits far better.
 const FAR_BETTER: f64 = 0.5;
+/// Coordinates beyond this are refused.
 const LARGEST: f64 = 1e9;
 
 impl MappingKind {
+    /// The least number of correspondences.
     fn least(self) -> usize {
         match self {
             MappingKind::Similarity => 2,
@@ -94,62 +121,42 @@ impl Mapping {
         kind: Option<MappingKind>,
         flip_y: bool,
     ) -> Result<Mapping, MappingError> {
-        let given = correspondences.len();
-        let kind = kind.unwrap_or(if given < MappingKind::Affine.least() {
-            MappingKind::Similarity
-        } else {
-            MappingKind::Affine
+        let kind = kind.unwrap_or(match correspondences.len() < MappingKind::Affine.least() {
+            true => MappingKind::Similarity,
+            false => MappingKind::Affine,
         });
-        if given < kind.least() {
-            return Err(MappingError::TooFew { given, needed: kind.least() });
-        }
-        let finite = |v: &f64| v.is_finite() && v.abs() <= LARGEST;
-        let all_finite = |pair: &Correspondence| pair.image_px.iter().chain(&pair.robot_mm).all(finite);
-        if let Some(at) = correspondences.iter().position(|pair| !all_finite(pair)) {
-            return Err(MappingError::NotFinite { at });
-        }
+        check(correspondences, kind)?;
         let image = Normalised::of("image_px", correspondences.iter().map(|pair| pair.image_px))?;
         let robot = Normalised::of("robot_mm", correspondences.iter().map(|pair| pair.robot_mm))?;
-        if kind != MappingKind::Similarity {
-            image.spans_a_plane()?;
-            robot.spans_a_plane()?;
-        }
-        let matrix = match kind {
-            MappingKind::Similarity => {
-                let matrix = similarity(&image, &robot, flip_y);
-                if matrix[0][0].hypot(matrix[1][0]) < LEAST_LIKENESS {
-                    return Err(MappingError::Unlike);
-                }
-                matrix
-            }
-            MappingKind::Affine => affine(&image, &robot),
-            MappingKind::Homography => homography(&image, &robot)?,
-        };
-        let fitted = |matrix| Mapping {
+        let matrix = fit_normalised(kind, &image, &robot, flip_y)?;
+        let of = |matrix| Mapping {
             kind,
-            matrix: robot.restored(&image, matrix),
+            matrix: robot.denormalised(&image, matrix),
             residual_mm: 0.0,
             mirrored: false,
         };
-        let residual_mm = |mapping: &Mapping| -> Option<f64> {
-            let off = correspondences.iter().map(|pair| {
-                let [x, y] = mapping.robot_mm(pair.image_px)?;
-                Some((x - pair.robot_mm[0]).powi(2) + (y - pair.robot_mm[1]).powi(2))
-            });
-            Some((off.sum::<Option<f64>>()? / given as f64).sqrt())
-        };
-        let mut mapping = fitted(matrix);
-        mapping.residual_mm = residual_mm(&mapping).ok_or(MappingError::Folded)?;
+        let mut mapping = of(matrix);
+        mapping.residual_mm = mapping.rms_error_mm(correspondences).ok_or(MappingError::Folded)?;
         mapping.mirrored = match kind {
-            // Two points, or points on a line, fit either way round.
-            MappingKind::Similarity if mapping.residual_mm <= ROUNDING * robot.spread => false,
+            // Two points, or collinear ones, fit with either handedness.
+            MappingKind::Similarity if mapping.residual_mm <= ROUNDING * robot.rms_radius => false,
             MappingKind::Similarity => {
-                let other = fitted(similarity(&image, &robot, !flip_y));
-                residual_mm(&other).is_some_and(|other| other < FAR_BETTER * mapping.residual_mm)
+                let other = of(similarity(&image, &robot, !flip_y)).rms_error_mm(correspondences);
+                other.is_some_and(|other_mm| other_mm < FAR_BETTER * mapping.residual_mm)
             }
-            _ => mapping.turns_over(image.middle) != flip_y,
+            _ => mapping.is_reflection(image.centroid) != flip_y,
         };
         Ok(mapping)
+    }
+
+    /// Root mean square distance of the correspondences from where the mapping puts them; `None` if one is beyond the
+    /// horizon.
+    fn rms_error_mm(&self, correspondences: &[Correspondence]) -> Option<f64> {
+        let squares = correspondences.iter().map(|pair| {
+            let [x, y] = self.robot_mm(pair.image_px)?;
+            Some((x - pair.robot_mm[0]).powi(2) + (y - pair.robot_mm[1]).powi(2))
+        });
+        Some((squares.sum::<Option<f64>>()? / correspondences.len() as f64).sqrt())
     }
 
     /// Where the robot finds what the pixel shows, X and Y in mm; `None` beyond the horizon of a homography.
@@ -171,8 +178,8 @@ impl Mapping {
         Some(if axis_deg < 90.0 { axis_deg } else { -90.0 })
     }
 
-    /// Whether a way round in the image is the other way round on the table.
-    fn turns_over(&self, at_px: [f64; 2]) -> bool {
+    /// Whether the mapping reverses orientation at a point.
+    fn is_reflection(&self, at_px: [f64; 2]) -> bool {
         let Some([x, y]) = self.robot_mm(at_px) else { return false };
         let beside = [[1.0, 0.0], [0.0, 1.0]].map(|[dx, dy]| self.robot_mm([at_px[0] + dx, at_px[1] + dy]));
         let [Some([right_x, right_y]), Some([down_x, down_y])] = beside else { return false };
@@ -180,68 +187,102 @@ impl Mapping {
     }
 }
 
-/// Points about their mean, of unit spread: equations in them are well conditioned (Hartley).
+/// Check the number of correspondences and their coordinates.
+fn check(correspondences: &[Correspondence], kind: MappingKind) -> Result<(), MappingError> {
+    let given = correspondences.len();
+    if given < kind.least() {
+        return Err(MappingError::TooFew { given, needed: kind.least() });
+    }
+    let is_finite = |v: &f64| v.is_finite() && v.abs() <= LARGEST;
+    let all_finite = |pair: &Correspondence| pair.image_px.iter().chain(&pair.robot_mm).all(is_finite);
+    match correspondences.iter().position(|pair| !all_finite(pair)) {
+        Some(at) => Err(MappingError::NotFinite { at }),
+        None => Ok(()),
+    }
+}
+
+/// Points about their centroid, of unit RMS radius: equations in them are well conditioned (Hartley).
 struct Normalised {
     what: &'static str,
     points: Vec<[f64; 2]>,
-    middle: [f64; 2],
-    spread: f64,
+    centroid: [f64; 2],
+    /// Root mean square distance from the centroid.
+    rms_radius: f64,
 }
 
 impl Normalised {
     fn of(what: &'static str, points: impl Iterator<Item = [f64; 2]>) -> Result<Normalised, MappingError> {
         let points: Vec<[f64; 2]> = points.collect();
         let count = points.len() as f64;
-        let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
-        let squares = points.iter().map(|[x, y]| (x - middle[0]).powi(2) + (y - middle[1]).powi(2));
-        let spread = (squares.sum::<f64>() / count).sqrt();
+        let centroid = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
+        let squares = points.iter().map(|[x, y]| (x - centroid[0]).powi(2) + (y - centroid[1]).powi(2));
+        let rms_radius = (squares.sum::<f64>() / count).sqrt();
         for (second, b) in points.iter().enumerate() {
-            let near = |a: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= (ONE_POINT * spread).max(ONE_PLACE);
-            if let Some(first) = points[..second].iter().position(near) {
+            let is_near =
+                |a: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= (ONE_POINT * rms_radius).max(ONE_PLACE);
+            if let Some(first) = points[..second].iter().position(is_near) {
                 return Err(MappingError::Equal { first, second, what });
             }
         }
-        let points = points.iter().map(|[x, y]| [(x - middle[0]) / spread, (y - middle[1]) / spread]);
-        Ok(Normalised { what, points: points.collect(), middle, spread })
+        let normalised = |[x, y]: &[f64; 2]| [(x - centroid[0]) / rms_radius, (y - centroid[1]) / rms_radius];
+        Ok(Normalised { what, points: points.iter().map(normalised).collect(), centroid, rms_radius })
     }
 
     fn spans_a_plane(&self) -> Result<(), MappingError> {
         let moment = |a: usize, b: usize| self.points.iter().map(|point| point[a] * point[b]).sum::<f64>();
         let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
         let (mean, apart) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
-        if mean - apart < LEAST_BREADTH.powi(2) * (mean + apart) {
+        if mean - apart < MIN_BREADTH.powi(2) * (mean + apart) {
             return Err(MappingError::Collinear { what: self.what });
         }
         Ok(())
     }
 
-    /// A map from `image` to these points, both normalised, as one from pixels to mm.
-    fn restored(&self, image: &Normalised, matrix: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    /// A map from `image` to these points, both normalised, as one from pixels to mm (T'⁻¹ H T).
+    fn denormalised(&self, image: &Normalised, matrix: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let from = |[a, b, c]: [f64; 3]| {
-            let (a, b) = (a / image.spread, b / image.spread);
-            [a, b, c - a * image.middle[0] - b * image.middle[1]]
+            let (a, b) = (a / image.rms_radius, b / image.rms_radius);
+            [a, b, c - a * image.centroid[0] - b * image.centroid[1]]
         };
         let [x, y, depth] = matrix.map(from);
-        let along = |row: [f64; 3], middle: f64| [0, 1, 2].map(|k| self.spread * row[k] + middle * depth[k]);
-        let rows = [along(x, self.middle[0]), along(y, self.middle[1]), depth];
-        // The image's middle is before the camera, at depth 1.
-        let scale = depth[0] * image.middle[0] + depth[1] * image.middle[1] + depth[2];
+        let axis =
+            |row: [f64; 3], centroid: f64| [0, 1, 2].map(|k| self.rms_radius * row[k] + centroid * depth[k]);
+        let rows = [axis(x, self.centroid[0]), axis(y, self.centroid[1]), depth];
+        // The centroid of the image points is in front of the camera, at depth 1.
+        let scale = depth[0] * image.centroid[0] + depth[1] * image.centroid[1] + depth[2];
         rows.map(|row| row.map(|v| v / scale))
     }
 }
 
+/// The mapping of that kind between two sets of normalised points.
+fn fit_normalised(
+    kind: MappingKind,
+    image: &Normalised,
+    robot: &Normalised,
+    flip_y: bool,
+) -> Result<[[f64; 3]; 3], MappingError> {
+    if kind == MappingKind::Similarity {
+        let matrix = similarity(image, robot, flip_y);
+        let scale = matrix[0][0].hypot(matrix[1][0]);
+        return if scale < MIN_SCALE { Err(MappingError::Unlike) } else { Ok(matrix) };
+    }
+    image.spans_a_plane()?;
+    robot.spans_a_plane()?;
+    if kind == MappingKind::Affine { Ok(affine(image, robot)) } else { homography(image, robot) }
+}
+
 /// The similarity between two sets of normalised points, of the handedness that is given.
 fn similarity(image: &Normalised, robot: &Normalised, flip_y: bool) -> [[f64; 3]; 3] {
-    let hand = if flip_y { -1.0 } else { 1.0 };
+    let sign = if flip_y { -1.0 } else { 1.0 };
     let (mut along, mut across, mut all) = (0.0, 0.0, 0.0);
     for ([x, y], [robot_x, robot_y]) in image.points.iter().zip(&robot.points) {
-        let y = hand * y;
+        let y = sign * y;
         along += x * robot_x + y * robot_y;
         across += x * robot_y - y * robot_x;
         all += x * x + y * y;
     }
     let (cos, sin) = (along / all, across / all);
-    [[cos, -hand * sin, 0.0], [sin, hand * cos, 0.0], [0.0, 0.0, 1.0]]
+    [[cos, -sign * sin, 0.0], [sin, sign * cos, 0.0], [0.0, 0.0, 1.0]]
 }
 
 /// The affine map between two sets of normalised points that span a plane.
@@ -249,49 +290,22 @@ fn affine(image: &Normalised, robot: &Normalised) -> [[f64; 3]; 3] {
     let pairs = || image.points.iter().zip(&robot.points);
     let moment = |a: usize, b: usize| image.points.iter().map(|point| point[a] * point[b]).sum::<f64>();
     let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
-    let whole = xx * yy - xy * xy;
+    let determinant = xx * yy - xy * xy;
     let row = |axis: usize| {
         let along = |k: usize| pairs().map(|(from, to)| from[k] * to[axis]).sum::<f64>();
         let (x, y) = (along(0), along(1));
-        [(yy * x - xy * y) / whole, (xx * y - xy * x) / whole, 0.0]
+        [(yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant, 0.0]
     };
     [row(0), row(1), [0.0, 0.0, 1.0]]
 }
 
-/// The homography between two sets of normalised points: the linear equations, weighted anew by the depths that the
-/// last solution gives, so that distances on the table are nearly what is least.
+/// The homography between two sets of normalised points: the direct linear transformation, reweighted by the depths of
+/// the last solution, so that the sum of squared distances on the table is nearly least.
 fn homography(image: &Normalised, robot: &Normalised) -> Result<[[f64; 3]; 3], MappingError> {
-    let pairs = || image.points.iter().zip(&robot.points);
     let mut depths = vec![1.0; image.points.len()];
     let mut matrix = [[0.0; 3]; 3];
     for _ in 0..REWEIGHTINGS {
-        let mut normal = [0.0; 81];
-        for (([x, y], [robot_x, robot_y]), depth) in pairs().zip(&depths) {
-            let pixel = [*x, *y, 1.0];
-            for (axis, robot) in [(0, robot_x), (1, robot_y)] {
-                let mut equation = [0.0; 9];
-                for k in 0..3 {
-                    equation[3 * axis + k] = pixel[k] / depth;
-                    equation[6 + k] = -robot * pixel[k] / depth;
-                }
-                for (row, left) in equation.iter().enumerate() {
-                    for (column, right) in equation.iter().enumerate() {
-                        normal[9 * row + column] += left * right;
-                    }
-                }
-            }
-        }
-        let collinear = MappingError::Collinear { what: image.what };
-        let solved = Symmetric::of(&normal, 9).ok_or(collinear.clone())?;
-        if solved.values[7] < LEAST_CERTAINTY * solved.values[0] {
-            return Err(collinear);
-        }
-        let least = &solved.vectors[8];
-        // The points' middle is before the camera.
-        let sign = least[8].signum();
-        for (at, v) in least.iter().enumerate() {
-            matrix[at / 3][at % 3] = sign * v;
-        }
+        matrix = direct_linear_transformation(image, robot, &depths)?;
         for (depth, [x, y]) in depths.iter_mut().zip(&image.points) {
             *depth = matrix[2][0] * x + matrix[2][1] * y + matrix[2][2];
             if *depth <= 0.0 {
@@ -300,12 +314,45 @@ fn homography(image: &Normalised, robot: &Normalised) -> Result<[[f64; 3]; 3], M
         }
     }
     let [[a, b, c], [d, e, f], [g, h, i]] = matrix;
-    let whole = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
-    // Three points on a line and one beside it: the map that fits leaves the plane.
-    if whole.abs() < LEAST_BREADTH.powi(2) * i.abs().powi(3) {
+    let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+    // Three collinear points and one beside them: the fit is singular.
+    if determinant.abs() < MIN_BREADTH.powi(2) * i.abs().powi(3) {
         return Err(MappingError::Collinear { what: image.what });
     }
     Ok(matrix)
+}
+
+/// The direct linear transformation, each equation divided by the depth of its point; the centroid of the image points
+/// is in front of the camera.
+fn direct_linear_transformation(
+    image: &Normalised,
+    robot: &Normalised,
+    depths: &[f64],
+) -> Result<[[f64; 3]; 3], MappingError> {
+    let mut normal = [0.0; 81];
+    for (([x, y], [robot_x, robot_y]), depth) in image.points.iter().zip(&robot.points).zip(depths) {
+        let pixel = [*x, *y, 1.0];
+        for (axis, robot) in [(0, robot_x), (1, robot_y)] {
+            let mut equation = [0.0; 9];
+            for k in 0..3 {
+                equation[3 * axis + k] = pixel[k] / depth;
+                equation[6 + k] = -robot * pixel[k] / depth;
+            }
+            for (row, left) in equation.iter().enumerate() {
+                for (column, right) in equation.iter().enumerate() {
+                    normal[9 * row + column] += left * right;
+                }
+            }
+        }
+    }
+    let collinear = MappingError::Collinear { what: image.what };
+    let Some(solved) = Symmetric::of(&normal, 9) else { return Err(collinear) };
+    if solved.values[7] < MIN_EIGENVALUE_RATIO * solved.values[0] {
+        return Err(collinear);
+    }
+    let least = &solved.vectors[8];
+    let sign = least[8].signum();
+    Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| sign * least[3 * row + column])))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The workcell (B§2–3, Figure 1): every part on the table found, named, and located where the robot reaches.
+//! The workcell (B§2–3, Figure 1): every part on the table found, recognised, and located in the robot's plane.
 //!
 //! The overview camera sees the table; a [`Mapping`] takes its pixels to the robot's millimetres. The local camera, at
 //! the gripper, centres: [`centring`].
@@ -11,19 +11,20 @@ mod mapping;
 
 pub use annotated::{annotate, annotate_regions};
 pub use centring::{Centring, LocalCamera, centring};
-pub use distance::Distance;
-pub use inspection::{Inspection, Part, Stage, inspect};
+pub use distance::PartDistance;
+pub use inspection::{
+    Inspection, InspectionError, PairScene, PairView, Part, Stage, Warning, inspect, inspect_with_depth,
+};
 pub use mapping::{Correspondence, Mapping, MappingError, MappingKind};
 
 use crate::vision::OptionFault;
 use crate::vision::segmentation::SegmentationOptions;
 
-/// The largest tolerance.
 const MAX_TOLERANCE_PX: f64 = 1000.0;
-/// The largest scale and turn of a local camera.
-const MAX_LOCAL: LocalCamera = LocalCamera { mm_per_px: 1e6, rotation_deg: 360.0 };
+const MAX_MM_PER_PX: f64 = 1e6;
+const MAX_ROTATION_DEG: f64 = 360.0;
 
-/// What is known of a workcell, beside the database that names its parts.
+/// A workcell, beside the database that recognises its parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workcell {
     /// From the overview camera's pixels to the robot.
@@ -34,11 +35,11 @@ pub struct Workcell {
     pub local: Option<LocalCamera>,
     /// A part counts as centred within so many pixels, along the straight line.
     pub tolerance_px: f64,
-    /// Of both cameras' pictures.
+    /// For the pictures of both cameras.
     pub segmentation: SegmentationOptions,
 }
 
-/// What can't be, of what stands beside the mapping and the segmentation, which are judged by their own rooms.
+/// Everything that is wrong with the local camera and the tolerance. Mapping and segmentation have checks of their own.
 pub fn faults(local: Option<LocalCamera>, tolerance_px: f64) -> Vec<OptionFault> {
     let mut faults = Vec::new();
     let mut fault = |option, message| faults.push(OptionFault { option, message });
@@ -46,13 +47,11 @@ pub fn faults(local: Option<LocalCamera>, tolerance_px: f64) -> Vec<OptionFault>
         fault("tolerance_px", format!("{tolerance_px} is not in 0..={MAX_TOLERANCE_PX}"));
     }
     if let Some(LocalCamera { mm_per_px, rotation_deg }) = local {
-        let most = MAX_LOCAL;
-        if !(mm_per_px > 0.0 && mm_per_px <= most.mm_per_px) {
-            let message = format!("{mm_per_px} is not above 0, and at most {}", most.mm_per_px);
-            fault("local/mm_per_px", message);
+        if !(mm_per_px > 0.0 && mm_per_px <= MAX_MM_PER_PX) {
+            fault("local/mm_per_px", format!("{mm_per_px} is not above 0, and at most {MAX_MM_PER_PX}"));
         }
-        if !(-most.rotation_deg..=most.rotation_deg).contains(&rotation_deg) {
-            fault("local/rotation_deg", format!("{rotation_deg} is not within ±{}", most.rotation_deg));
+        if !(-MAX_ROTATION_DEG..=MAX_ROTATION_DEG).contains(&rotation_deg) {
+            fault("local/rotation_deg", format!("{rotation_deg} is not within ±{MAX_ROTATION_DEG}"));
         }
     }
     faults

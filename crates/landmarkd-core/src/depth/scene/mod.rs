@@ -10,19 +10,18 @@ mod relief;
 mod spline;
 mod texture;
 
-use crate::imaging::Random;
-use point_spread::{Canvas, FINE, PointSpreads};
+use point_spread::{FINE, LightBuffer, PointSpreads};
 pub use relief::Relief;
 pub use texture::Texture;
 
 use super::{Aperture, FocalPair, NearSensor, Optics, OpticsSpec, PairError};
-use crate::imaging::{Frame, Image, encode};
+use crate::imaging::{Frame, Image, Random, encode};
 
-/// A rig to try things with: a lens of 35 mm, focused at 500 and at 583 mm, pixels of 10 µm. Its largest blur is 40 px
+/// A rig for tests and examples: a lens of 35 mm, focused at 500 and at 583 mm, pixels of 10 µm. Its largest blur is 40 px
 /// over the f-number.
 ///
 /// # Panics
-/// If the f-number makes no optics that can be: 0.4 to 80 do.
+/// If the f-number makes no valid optics: 0.4 to 80 do.
 pub fn bench_optics(f_number: f64, telecentric: bool) -> Optics {
     let spec = OpticsSpec {
         focal_length_mm: 35.0,
@@ -36,12 +35,14 @@ pub fn bench_optics(f_number: f64, telecentric: bool) -> Optics {
     Optics::new(&spec).expect("an f-number that makes a blur of 0.5 to 100 px")
 }
 
-/// What stands before the camera.
+/// The scene before the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
+    /// How far away its parts are.
     pub relief: Relief,
+    /// What its surfaces look like.
     pub texture: Texture,
-    /// Standard deviation of the texture's light, in grey levels of 255; its mean is 120.
+    /// Standard deviation of the texture's light, in gray levels of 255; its mean is 120.
     pub contrast: f64,
     /// Whether a few glints shine beyond full scale.
     pub glints: bool,
@@ -59,12 +60,13 @@ impl Scene {
 /// What the scene is photographed with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
+    /// Lens and sensors.
     pub optics: Optics,
     /// Width of both pictures in pixels.
     pub width: usize,
     /// Height of both pictures in pixels.
     pub height: usize,
-    /// Standard deviation of a pixel's noise, in grey levels of 255.
+    /// Standard deviation of a pixel's noise, in gray levels of 255.
     pub noise: f64,
     /// Bits a sample: 8 or 16.
     pub bits: u8,
@@ -75,16 +77,15 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera of 256 × 240 pixels with 8 bits, noise of one grey level, and sensors alike.
+    /// A camera of 256 × 240 pixels with 8 bits, noise of one gray level, and sensors alike.
     pub fn new(optics: Optics) -> Camera {
         Camera { optics, width: 256, height: 240, noise: 1.0, bits: 8, far_gain: 1.0, far_shift_px: [0.0; 2] }
     }
 
-    /// Photograph a scene.
+    /// Photographs a scene.
     ///
     /// # Panics
-    /// If a surface stands within the focal length, or the bits are neither 8 nor 16: faults of the program that
-    /// describes the scene.
+    /// If a surface stands within the focal length, or the bits are neither 8 nor 16: errors of the caller.
     pub fn photograph(&self, scene: &Scene) -> Rendered {
         assert!(matches!(self.bits, 8 | 16), "8 or 16 bits a sample, not {}", self.bits);
         let size = [self.width, self.height];
@@ -104,28 +105,30 @@ impl Camera {
         let light = spline::coefficients(texture);
         let spreads = &mut PointSpreads::default();
         let [near, far] = [0, 1].map(|sensor| self.exposed(sensor, scene, &light, margin_px, spreads));
-        let random = &mut Random::new(scene.seed, 2);
-        let full = f64::from(u16::MAX >> (16 - self.bits));
-        let level = |light: f32, noise: f64| {
-            let grey = f64::from(light) + self.noise * noise;
-            (grey / 255.0 * full).round().clamp(0.0, full) as u16
-        };
-        let (near, far) = near
-            .into_iter()
-            .zip(far)
-            .map(|(near, far)| {
-                let [near_noise, far_noise] = random.normals();
-                (level(near, near_noise), level(far * self.far_gain as f32, far_noise))
-            })
-            .unzip();
+        let (near, far) = self.digitised(&near, &far, scene.seed);
         Rendered { width: self.width, height: self.height, bits: self.bits, near, far, depth_mm, surface }
+    }
+
+    /// The samples of both sensors for the light on their pixels: noise, gain, rounding.
+    fn digitised(&self, near: &[f32], far: &[f32], seed: u64) -> (Vec<u16>, Vec<u16>) {
+        let random = &mut Random::new(seed, 2);
+        let full = f64::from(u16::MAX >> (16 - self.bits));
+        let sample = |light: f32, noise: f64| {
+            let level = f64::from(light) + self.noise * noise;
+            (level / 255.0 * full).round().clamp(0.0, full) as u16
+        };
+        let samples = near.iter().zip(far).map(|(&near, &far)| {
+            let [near_noise, far_noise] = random.normals();
+            (sample(near, near_noise), sample(far * self.far_gain as f32, far_noise))
+        });
+        samples.unzip()
     }
 
     fn depth_mm(&self, share: f64) -> f64 {
         self.optics.near_focus_mm() + share * self.optics.range_mm()
     }
 
-    /// How much of the scene beyond the picture is drawn: what sends light into it, with room for a far-focused picture
+    /// Width of the scene beyond the picture that sends light into it, with room for a far-focused picture
     /// that is smaller or displaced. In steps of 16 px, so that most cameras see one texture.
     fn margin_px(&self, scene: &Scene) -> usize {
         let corners = [[0, 0], [1, 0], [0, 1], [1, 1]]
@@ -142,7 +145,7 @@ impl Camera {
         ((0.6 * blur_px + shift_px + wider_px + 4.0) / 16.0).ceil() as usize * 16
     }
 
-    /// The light that falls on the pixels of the near- (0) or the far-focused (1) sensor, in grey levels.
+    /// The light that falls on the pixels of the near- (0) or the far-focused (1) sensor, in gray levels.
     fn exposed(
         &self,
         sensor: usize,
@@ -151,53 +154,19 @@ impl Camera {
         margin_px: usize,
         spreads: &mut PointSpreads,
     ) -> Vec<f32> {
-        let (columns, rows) = (light.width(), light.height());
-        let (scale, shift_px) = match sensor {
-            0 => (1.0, [0.0; 2]),
-            _ => (self.optics.far_scale(), self.far_shift_px),
-        };
-        let centre = self.optics.principal_point(self.width, self.height);
-        let sample_px = |at: usize| (at as f64 + 0.5) / FINE as f64 - 0.5 - margin_px as f64;
-        let sample_at = |px: f64| (px + 0.5 + margin_px as f64) * FINE as f64 - 0.5;
-        // Where this sensor's samples look in the near-focused picture.
-        let looks =
-            |at: usize, axis: usize| centre[axis] + (sample_px(at) - shift_px[axis] - centre[axis]) / scale;
-        let look_x: Vec<f64> = (0..columns).map(|column| looks(column, 0)).collect();
-        let look_y: Vec<f64> = (0..rows).map(|row| looks(row, 1)).collect();
-        let size = [self.width, self.height];
-        // Two discs, the sample's and that of what hides it, and the pixels and samples themselves.
-        let hidden_px = self.optics.largest_blur_px() + 6.0;
+        let view = View::new(self, sensor, light, margin_px);
         let mut picture = vec![0.0; self.width * self.height];
         for surface in 0..scene.relief.surfaces() {
-            // Every surface shows another part of the texture.
-            let part = [37 * FINE * surface, 53 * FINE * surface];
-            let own = if scale == 1.0 && shift_px == [0.0; 2] {
-                Image::from_fn(columns, rows, |x, y| light.at((x + part[0]) % columns, (y + part[1]) % rows))
-            } else {
-                spline::coefficients(Image::from_fn(columns, rows, |x, y| {
-                    let [at_x, at_y] = [sample_at(look_x[x]), sample_at(look_y[y])];
-                    spline::value_at(light, at_x + part[0] as f64, at_y + part[1] as f64)
-                }))
-            };
-            let mut diameters = vec![f32::NAN; columns * rows]; // NaN where the surface isn't, or can't be seen
-            for (at, diameter) in diameters.iter_mut().enumerate() {
-                let place = [look_x[at % columns], look_y[at / columns]];
-                if let Some(share) = scene.relief.share(surface, place, size)
-                    && !scene.relief.hides(surface, place, hidden_px, size)
-                {
-                    let beta = self.optics.beta(self.depth_mm(share));
-                    *diameter = self.optics.blur_diameters_px(beta)[sensor].abs() as f32;
-                    spreads.prepare(*diameter);
-                }
-            }
+            let own_light = view.surface_light(surface, light);
+            let diameters = self.blur_diameters(&view, surface, scene, spreads);
             let edge_px = spreads.reach_px() + margin_px;
-            let [mut lit, mut covered] = [(); 2].map(|()| Canvas::new(self.width, self.height, edge_px));
+            let [mut lit, mut covered] = [(); 2].map(|()| LightBuffer::new(self.width, self.height, edge_px));
             for (at, &diameter) in diameters.iter().enumerate().filter(|(_, diameter)| !diameter.is_nan()) {
-                let place = [at % columns, at / columns];
+                let place = [at % view.columns(), at / view.columns()];
                 let share = 1.0 / (FINE * FINE) as f32;
-                spreads.spread(&mut lit, place, margin_px, diameter, share * own.pixels()[at]);
+                spreads.splat(&mut lit, place, margin_px, diameter, share * own_light.pixels()[at]);
                 if surface > 0 {
-                    spreads.spread(&mut covered, place, margin_px, diameter, share);
+                    spreads.splat(&mut covered, place, margin_px, diameter, share);
                 }
             }
             for (pixel, (light, covered)) in picture.iter_mut().zip(lit.picture().zip(covered.picture())) {
@@ -205,6 +174,33 @@ impl Camera {
             }
         }
         picture
+    }
+
+    /// Blur diameter of each sample of a surface on the view's sensor, in pixels; NaN where the surface isn't or can't be
+    /// seen. Prepares the kernels for them.
+    fn blur_diameters(
+        &self,
+        view: &View,
+        surface: usize,
+        scene: &Scene,
+        spreads: &mut PointSpreads,
+    ) -> Vec<f32> {
+        let size = [self.width, self.height];
+        // Two discs, the sample's and that of what hides it, and the pixels and samples themselves.
+        let hidden_px = self.optics.largest_blur_px() + 6.0;
+        let columns = view.columns();
+        let mut diameters = vec![f32::NAN; columns * view.y_px.len()];
+        for (at, diameter) in diameters.iter_mut().enumerate() {
+            let place = [view.x_px[at % columns], view.y_px[at / columns]];
+            if let Some(share) = scene.relief.share(surface, place, size)
+                && !scene.relief.hides(surface, place, hidden_px, size)
+            {
+                let beta = self.optics.beta(self.depth_mm(share));
+                *diameter = self.optics.blur_diameters_px(beta)[view.sensor].abs() as f32;
+                spreads.prepare(*diameter);
+            }
+        }
+        diameters
     }
 
     /// Five small sources, far brighter than what the sensor holds.
@@ -221,6 +217,57 @@ impl Camera {
                 }
             }
         }
+    }
+}
+
+/// For each sample of a sensor, the place in the near-focused picture that shows the same.
+struct View {
+    /// 0 near-focused, 1 far-focused.
+    sensor: usize,
+    margin_px: usize,
+    /// Whether the samples are those of the scene.
+    is_identity: bool,
+    x_px: Vec<f64>,
+    y_px: Vec<f64>,
+}
+
+impl View {
+    fn new(camera: &Camera, sensor: usize, light: &Image, margin_px: usize) -> View {
+        let (scale, shift_px) = match sensor {
+            0 => (1.0, [0.0; 2]),
+            _ => (camera.optics.far_scale(), camera.far_shift_px),
+        };
+        let centre = camera.optics.principal_point(camera.width, camera.height);
+        let sample_px = |at: usize| (at as f64 + 0.5) / FINE as f64 - 0.5 - margin_px as f64;
+        let axis = |length: usize, axis: usize| -> Vec<f64> {
+            let (centre, shift_px) = (centre[axis], shift_px[axis]);
+            (0..length).map(|at| centre + (sample_px(at) - shift_px - centre) / scale).collect()
+        };
+        View {
+            sensor,
+            margin_px,
+            is_identity: scale == 1.0 && shift_px == [0.0; 2],
+            x_px: axis(light.width(), 0),
+            y_px: axis(light.height(), 1),
+        }
+    }
+
+    fn columns(&self) -> usize {
+        self.x_px.len()
+    }
+
+    /// The spline's coefficients of a surface's light; every surface shows another part of the scene's texture.
+    fn surface_light(&self, surface: usize, light: &Image) -> Image {
+        let (columns, rows) = (light.width(), light.height());
+        let [right, down] = [37 * FINE * surface, 53 * FINE * surface];
+        if self.is_identity {
+            return Image::from_fn(columns, rows, |x, y| light.at((x + right) % columns, (y + down) % rows));
+        }
+        let sample_at = |px: f64| (px + 0.5 + self.margin_px as f64) * FINE as f64 - 0.5;
+        spline::coefficients(Image::from_fn(columns, rows, |x, y| {
+            let (at_x, at_y) = (sample_at(self.x_px[x]), sample_at(self.y_px[y]));
+            spline::value_at(light, at_x + right as f64, at_y + down as f64)
+        }))
     }
 }
 

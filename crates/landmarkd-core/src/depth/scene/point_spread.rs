@@ -13,19 +13,19 @@ const LEVELS_PER_PX: f64 = 8.0;
 /// ψ reaches this far.
 const REACH_PX: f64 = 1.5;
 
-/// Pixels, with an edge around that light may fall on.
+/// Light on the pixels of a sensor, and on an edge around them.
 #[derive(Clone, Debug)]
-pub(super) struct Canvas {
+pub(super) struct LightBuffer {
     width: usize,
     height: usize,
     edge: usize,
     values: Vec<f32>,
 }
 
-impl Canvas {
-    /// A dark canvas.
-    pub fn new(width: usize, height: usize, edge: usize) -> Canvas {
-        Canvas { width, height, edge, values: vec![0.0; (width + 2 * edge) * (height + 2 * edge)] }
+impl LightBuffer {
+    /// A buffer without light.
+    pub fn new(width: usize, height: usize, edge: usize) -> LightBuffer {
+        LightBuffer { width, height, edge, values: vec![0.0; (width + 2 * edge) * (height + 2 * edge)] }
     }
 
     /// The picture without its edge, row-major.
@@ -45,7 +45,7 @@ struct Kernel {
     high: Vec<f32>,
 }
 
-/// Kernels by diameter, computed when a diameter is first asked for.
+/// Kernels by diameter, computed on first use.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointSpreads {
     quadrants: Vec<Option<Quadrant>>,
@@ -53,7 +53,7 @@ pub(super) struct PointSpreads {
 }
 
 impl PointSpreads {
-    /// Have the kernels for a diameter at hand.
+    /// Computes the kernels for a diameter, unless it has them.
     pub fn prepare(&mut self, diameter_px: f32) {
         let level = (f64::from(diameter_px) * LEVELS_PER_PX) as usize;
         if self.kernels.get(level).is_some_and(Option::is_some) {
@@ -77,13 +77,13 @@ impl PointSpreads {
         self.kernels.iter().flatten().map(|kernel| kernel.radius).max().unwrap_or(0)
     }
 
-    /// Spread the light of the sample at `column`, `row` of a scene that begins `margin_px` before the canvas' picture.
+    /// Adds the light of the sample at `column`, `row` of a scene that begins `margin_px` before the buffer's picture.
     ///
     /// # Panics
-    /// If its diameter was not prepared, or the canvas' edge is narrower than the margin and the kernel's reach.
-    pub fn spread(
+    /// If its diameter was not prepared, or the buffer's edge is narrower than the margin and the kernel's reach.
+    pub fn splat(
         &self,
-        canvas: &mut Canvas,
+        buffer: &mut LightBuffer,
         [column, row]: [usize; 2],
         margin_px: usize,
         diameter_px: f32,
@@ -97,18 +97,18 @@ impl PointSpreads {
         let beyond = |at: usize, length: usize| {
             at + kernel.radius < margin_px || at > length - 1 + kernel.radius + margin_px
         };
-        if beyond(x, canvas.width) || beyond(y, canvas.height) {
+        if beyond(x, buffer.width) || beyond(y, buffer.height) {
             return;
         }
         let side = 2 * kernel.radius + 1;
         let phase = (row % FINE * FINE + column % FINE) * side * side;
-        let stride = canvas.width + 2 * canvas.edge;
-        let inward = canvas.edge - margin_px - kernel.radius;
+        let stride = buffer.width + 2 * buffer.edge;
+        let inward = buffer.edge - margin_px - kernel.radius;
         for line in 0..side {
             let tap = phase + line * side;
             let pixel = (y + inward + line) * stride + x + inward;
             let taps = kernel.low[tap..tap + side].iter().zip(&kernel.high[tap..tap + side]);
-            for (value, (low, high)) in canvas.values[pixel..pixel + side].iter_mut().zip(taps) {
+            for (value, (low, high)) in buffer.values[pixel..pixel + side].iter_mut().zip(taps) {
                 *value += low_light * low + high_light * high;
             }
         }
@@ -224,10 +224,10 @@ mod tests {
             spreads.prepare(diameter_px);
             let (mut light, mut moment, mut mean) = (0.0, 0.0, 0.0);
             for (column, row) in [(40, 40), (41, 40), (40, 41), (41, 41)] {
-                let mut canvas = Canvas::new(41, 41, spreads.reach_px());
-                spreads.spread(&mut canvas, [column, row], 0, diameter_px, 1.0);
+                let mut buffer = LightBuffer::new(41, 41, spreads.reach_px());
+                spreads.splat(&mut buffer, [column, row], 0, diameter_px, 1.0);
                 let centre_px = (column as f64 + 0.5) / FINE as f64 - 0.5;
-                for (at, value) in canvas.picture().enumerate() {
+                for (at, value) in buffer.picture().enumerate() {
                     let off_px = (at % 41) as f64 - centre_px;
                     light += f64::from(value) / 4.0;
                     mean += f64::from(value) * off_px / 4.0;
@@ -248,9 +248,9 @@ mod tests {
             quadrant.phases(8)
         };
         spreads.prepare(3.0625);
-        let mut canvas = Canvas::new(17, 17, spreads.reach_px());
-        spreads.spread(&mut canvas, [16, 16], 0, 3.0625, 1.0);
-        for (at, (value, expected)) in canvas.picture().zip(shape(3.0625)).enumerate() {
+        let mut buffer = LightBuffer::new(17, 17, spreads.reach_px());
+        spreads.splat(&mut buffer, [16, 16], 0, 3.0625, 1.0);
+        for (at, (value, expected)) in buffer.picture().zip(shape(3.0625)).enumerate() {
             assert!((value - expected).abs() < 2e-4, "pixel {at}: {value}, not {expected}");
         }
     }

@@ -7,7 +7,10 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relief {
     /// A plane that faces the camera; the share may lie outside 0..1.
-    Plane { share: f64 },
+    Plane {
+        /// Its depth as a share of the working range.
+        share: f64,
+    },
     /// A plane from 5 % at the picture's left edge to 95 % at its right one.
     Slant,
     /// From 10 % in the middle to 90 % in the corners.

@@ -6,8 +6,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex32;
 
 use super::point_spread::FINE;
-use crate::imaging::Image;
-use crate::imaging::Random;
+use crate::imaging::{Image, Random};
 
 /// What is painted on the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,19 +17,28 @@ pub enum Texture {
     Gravel,
     /// Thin blades that lie across each other.
     Grass,
-    /// Dark dots of this mean distance, without order.
-    Dots { period_px: f64 },
-    /// Upright smooth bars of this mean period, each a little wider or narrower.
-    Stripes { period_px: f64 },
+    /// Dark dots without order.
+    Dots {
+        /// Their mean distance.
+        period_px: f64,
+    },
+    /// Upright smooth bars, each a little wider or narrower than the others.
+    Stripes {
+        /// Their mean period.
+        period_px: f64,
+    },
     /// Upright hard bars, strictly periodic.
-    Bars { period_px: f64 },
+    Bars {
+        /// Their period.
+        period_px: f64,
+    },
     /// Nothing.
     Plain,
 }
 
-/// Mean grey level of a texture.
+/// Mean gray level of a texture.
 const MEAN: f64 = 120.0;
-/// Darkest and lightest grey level of a texture.
+/// Darkest and lightest gray level of a texture.
 const SPAN: [f64; 2] = [4.0, 250.0];
 
 impl Texture {
@@ -49,9 +57,9 @@ impl Texture {
             }
             Texture::Plain => Image::from_fn(width, height, |_, _| 0.0),
         };
-        let count = (width * height) as f64;
-        let mean = plane.pixels().iter().map(|&v| f64::from(v)).sum::<f64>() / count;
-        let variance = plane.pixels().iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / count;
+        let mean = plane.mean();
+        let squares = plane.pixels().iter().map(|&v| (f64::from(v) - mean).powi(2));
+        let variance = squares.sum::<f64>() / (width * height) as f64;
         let gain = if variance > 0.0 { deviation / variance.sqrt() } else { 0.0 };
         for value in plane.pixels_mut() {
             *value = (MEAN + gain * (f64::from(*value) - mean)).clamp(SPAN[0], SPAN[1]) as f32;
@@ -79,7 +87,7 @@ fn clouds(width: usize, height: usize, random: &mut Random) -> Image {
     Image::from_fn(width, height, |x, y| turned[x * height + y].re)
 }
 
-/// Places scattered about the nodes of a grid, to be searched around a sample.
+/// Places scattered about the nodes of a grid.
 struct Scattered {
     spacing: f64,
     columns: usize,
@@ -143,7 +151,7 @@ fn blades(width: usize, height: usize, random: &mut Random) -> Image {
     for _ in 0..(pixels / 12.0) as usize {
         let (mut x, mut y) = (random.between(0.0, width as f64), random.between(0.0, height as f64));
         let mut angle = random.between(-1.2, 1.2) - std::f64::consts::FRAC_PI_2;
-        let (bend, length_px) = (random.between(-0.03, 0.03), random.between(8.0, 30.0));
+        let (curvature, length_px) = (random.between(-0.03, 0.03), random.between(8.0, 30.0));
         let (half_width, tone) = (random.between(0.4, 1.1) * fine, random.between(0.1, 1.0));
         let steps = (length_px * fine) as usize;
         for step in 0..steps {
@@ -161,7 +169,7 @@ fn blades(width: usize, height: usize, random: &mut Random) -> Image {
                 }
                 across += 0.7;
             }
-            (x, y, angle) = (x + cos, y + sin, angle + bend / fine);
+            (x, y, angle) = (x + cos, y + sin, angle + curvature / fine);
         }
     }
     plane

@@ -1,12 +1,12 @@
-//! A frame with its recognition drawn on it: what a person looks at to see why.
+//! A frame with its recognition drawn on it, for people.
 
 use super::model::Landmarks;
-use super::recognition::{Placed, PointVote, Recognition};
+use super::recognition::{LabelVote, PointVote, Recognition, VerifiedPlacement};
 use crate::imaging::{Frame, Overlay};
 
-/// Points that voted for the best label, and what is sure.
+/// Points that voted for the best label, and accepted placements.
 const FOR_BEST: [u8; 3] = [64, 224, 96];
-/// Points that voted for another.
+/// Points that voted for another label.
 const FOR_OTHERS: [u8; 3] = [240, 150, 40];
 /// The best placement where nothing is decided.
 const UNSURE: [u8; 3] = [150, 150, 160];
@@ -16,59 +16,72 @@ const LINES: usize = 3;
 /// Half the length of the cross in the middle of an outline.
 const CROSS_PX: f32 = 4.0;
 
-/// Draw a circle of the sub-window's radius around each point that voted, the outline and the middle of every exemplar
-/// that is in the frame for sure enough, and the best votes as text.
+/// Draws a circle of the sub-window's radius around each point that voted, the outline and the middle of every instance,
+/// and the best votes as text.
 ///
 /// Green points voted for the best label, orange ones for another. The upper edge of an outline is drawn twice. Where
-/// nothing is decided the best placement stands in gray.
+/// nothing is decided the best placement is drawn in gray.
 pub fn annotate(frame: &Frame, recognition: &Recognition, model: &Landmarks) -> Overlay {
     let mut overlay = Overlay::on(frame);
+    draw_points(&mut overlay, recognition, model);
+    draw_placements(&mut overlay, recognition, model);
+    for (line, text) in lines(recognition).enumerate() {
+        let top_px = overlay.line_height_px() * (line as f32 + 0.25);
+        overlay.text(4.0, top_px, &text, TEXT);
+    }
+    overlay
+}
+
+fn draw_points(overlay: &mut Overlay, recognition: &Recognition, model: &Landmarks) {
     let best = recognition.votes.first();
     let radius_px = model.options().subwindow_radii_px[0] as f32;
-    let places = best.is_some_and(|vote| vote.placement.is_some());
-    // placements have outlines to look at: with them only what counts is drawn
-    let counts = |point: &&PointVote| !places || point.weight > 0.0;
+    // beside outlines only the points that count are drawn
+    let outlined = best.is_some_and(|vote| vote.placement.is_some());
+    let counts = |point: &&PointVote| !outlined || point.weight > 0.0;
     for point in recognition.points.iter().filter(counts) {
-        let label = model.exemplars()[point.exemplar].label.as_str();
-        let is_best = best.is_some_and(|vote| vote.label == label);
+        let label = &model.exemplars()[point.exemplar].label;
+        let is_best = best.is_some_and(|vote| vote.label == *label);
         overlay.circle(point.x_px, point.y_px, radius_px, if is_best { FOR_BEST } else { FOR_OTHERS });
     }
-    let unsure = best.filter(|_| recognition.decision.is_none()).and_then(|vote| vote.placement.as_ref());
-    if let Some(placed) = unsure {
-        outline(&mut overlay, placed, model, UNSURE);
-    }
-    let uncalibrated = best.filter(|_| recognition.decision.is_some() && recognition.instances.is_empty());
-    if let Some(placed) = uncalibrated.and_then(|vote| vote.placement.as_ref()) {
-        outline(&mut overlay, placed, model, FOR_BEST);
+}
+
+/// Outlines the instances, or the best placement where there are none.
+fn draw_placements(overlay: &mut Overlay, recognition: &Recognition, model: &Landmarks) {
+    let best = recognition.votes.first().and_then(|vote| vote.placement.as_ref());
+    match &recognition.decision {
+        None => best.into_iter().for_each(|best| outline(overlay, best, model, UNSURE)),
+        // the model isn't calibrated
+        Some(_) if recognition.instances.is_empty() => {
+            best.into_iter().for_each(|best| outline(overlay, best, model, FOR_BEST));
+        }
+        Some(_) => {}
     }
     for instance in &recognition.instances {
-        outline(&mut overlay, &instance.placed, model, FOR_BEST);
-        let words = format!("{} {:.2}", instance.label, instance.confidence);
-        let centre = &instance.placed.placement;
-        overlay.text(centre.x_px + CROSS_PX, centre.y_px + CROSS_PX, &words, FOR_BEST);
+        outline(overlay, &instance.verified, model, FOR_BEST);
+        let text = format!("{} {:.2}", instance.label, instance.confidence);
+        let centre = &instance.verified.placement;
+        overlay.text(centre.x_px + CROSS_PX, centre.y_px + CROSS_PX, &text, FOR_BEST);
     }
-    let decided = match &recognition.decision {
+}
+
+/// The decision and the best votes.
+fn lines(recognition: &Recognition) -> impl Iterator<Item = String> {
+    let decision = match &recognition.decision {
         None => "nothing for sure".to_owned(),
         Some(decision) => match decision.confidence {
             Some(confidence) => format!("{}, confidence {confidence:.2}", decision.label),
             None => decision.label.clone(),
         },
     };
-    let vote = |vote: &super::LabelVote| {
-        format!("{}  {:.0}%  {} points", vote.label, 100.0 * vote.share, vote.points)
-    };
-    let lines = std::iter::once(decided).chain(recognition.votes.iter().take(LINES).map(vote));
-    for (line, words) in lines.enumerate() {
-        let top_px = overlay.line_height_px() * (line as f32 + 0.25);
-        overlay.text(4.0, top_px, &words, TEXT);
-    }
-    overlay
+    let vote =
+        |vote: &LabelVote| format!("{}  {:.0}%  {} points", vote.label, 100.0 * vote.share, vote.points);
+    std::iter::once(decision).chain(recognition.votes.iter().take(LINES).map(vote))
 }
 
-/// The border of an exemplar's picture laid on the frame, and a cross in its middle.
-fn outline(overlay: &mut Overlay, placed: &Placed, model: &Landmarks, colour: [u8; 3]) {
-    let exemplar = &model.exemplars()[placed.exemplar];
-    let placement = &placed.placement;
+/// The border of an exemplar's picture at its placement, and a cross in its middle.
+fn outline(overlay: &mut Overlay, verified: &VerifiedPlacement, model: &Landmarks, colour: [u8; 3]) {
+    let exemplar = &model.exemplars()[verified.exemplar];
+    let placement = &verified.placement;
     let corners = placement.outline_px(exemplar.width_px, exemplar.height_px);
     let mut line = |from: [f32; 2], to: [f32; 2]| overlay.line(from[0], from[1], to[0], to[1], colour);
     for (k, &from) in corners.iter().enumerate() {
@@ -84,9 +97,8 @@ fn outline(overlay: &mut Overlay, placed: &Placed, model: &Landmarks, colour: [u
 
 #[cfg(test)]
 mod tests {
-    use super::super::Placement;
     use super::super::{
-        Decision, ExemplarName, Instance, LabelVote, LandmarkOptions, Method, Viewpoint, describe,
+        Decision, Evidence, ExemplarName, Instance, LandmarkOptions, Method, Placement, Viewpoint, describe,
     };
     use super::*;
     use crate::imaging::Image;
@@ -124,9 +136,9 @@ mod tests {
     fn the_outline_is_green_where_it_is_sure_and_gray_where_it_is_not() {
         let model = model(&LandmarkOptions::default());
         let placement = Placement { x_px: 39.5, y_px: 39.5, rotation_rad: 0.3, scale: 0.6 };
-        let placed = Placed { exemplar: 0, placement, inliers: 9, agreement: 0.8 };
+        let verified = VerifiedPlacement { exemplar: 0, placement, inliers: 9, agreement: 0.8 };
         let vote =
-            LabelVote { label: "disc".into(), weight: 1.0, share: 1.0, points: 9, placement: Some(placed) };
+            LabelVote { label: "disc".into(), weight: 1.0, share: 1.0, points: 9, placement: Some(verified) };
         let unsure = Recognition {
             decision: None,
             points_found: 9,
@@ -135,6 +147,7 @@ mod tests {
             instances: vec![],
             points: vec![],
             exemplar_weights: vec![1.0],
+            evidence: Evidence::None,
             warnings: vec![],
         };
         // enlarged four times: four edges of 0.6 × 80 px, the upper one twice, and a cross
@@ -145,7 +158,7 @@ mod tests {
         let confidence = 0.9;
         let sure = Recognition {
             decision: Some(Decision { label: "disc".into(), confidence: Some(confidence) }),
-            instances: vec![Instance { label: "disc".into(), confidence, placed }],
+            instances: vec![Instance { label: "disc".into(), confidence, verified }],
             ..unsure
         };
         let picture = drawn(&sure, &model);

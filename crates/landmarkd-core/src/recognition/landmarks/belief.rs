@@ -1,32 +1,33 @@
-//! Where a robot is, by all the frames of its way so far: a forward filter over the exemplars.
+//! Belief of where a robot is, by all the frames of its way so far: a Bayes filter over the exemplars.
 //!
-//! A belief holds a probability for every exemplar and one for *elsewhere*; together they are 1. Each frame first moves
-//! it as the robot may have moved, then weighs it by W of the exemplars. Only frames of the past count.
+//! A belief holds a probability for every exemplar and one for *elsewhere*; together they are 1. Each frame first predicts
+//! how the robot may have moved, then weighs the belief by W of the exemplars. Only frames of the past count.
 //!
 //! Along a path the state is an exemplar and a speed in exemplars a frame, from 3 back to 3 ahead: a robot keeps its
-//! speed for about ten frames, drifts by one now and then, and is seldom carried off. Frames of a robot that stands
+//! speed for about ten frames, drifts by one now and then, and is seldom kidnapped. Frames of a robot that stands
 //! show the same twice over, right or wrong, so they count less: without that an exemplar that looks like
-//! everything around it would hold the robot fast.
+//! everything around it would hold the belief.
 //!
 //! The numbers below were chosen on a corridor walked twice (111 exemplars, 111 frames, within 2 exemplars is right) with
-//! votes that name 0.63 and 0.75 of its single frames rightly: 0.99 with either, 0.92 and 0.97 walking back. A robot carried
-//! off is found again after 4 to 9 frames. With the paper's vote, right on 0.30 alone, there is too little to add up.
+//! votes that name 0.63 and 0.75 of its single frames rightly: 0.99 with either, 0.92 and 0.97 walking back. A robot that
+//! is kidnapped is found again after 4 to 9 frames. With the paper's vote, right on 0.30 alone, there is too little to
+//! add up.
 
 use super::description::ExemplarName;
 
-/// How robots move among the exemplars.
+/// The motion model of the robot among the exemplars.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Nothing is known of which exemplar is near which: what was believed stays, and fades a little.
+    /// The order of the exemplars is unknown: the belief stays, and fades a little.
     Still,
-    /// The exemplars follow one another: their indices in the order in which they are passed, each once.
+    /// The exemplars follow one another: the indices of all in the order in which the robot passes them.
     Path(Vec<usize>),
 }
 
 /// The belief in one label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelBelief {
-    /// What is believed.
+    /// The class or place.
     pub label: String,
     /// The probability of its exemplars together.
     pub probability: f64,
@@ -34,54 +35,49 @@ pub struct LabelBelief {
     pub exemplar: usize,
 }
 
-/// Where the robot is, as far as is known.
+/// The probabilities of where the robot is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Belief {
     motion: Motion,
-    /// Speed after speed, the probability of every place in the order of the path.
+    /// n speeds × n exemplars, row-major: the probability of every place in the order of the path.
     states: Vec<f64>,
+    /// The probability of being at no exemplar.
     elsewhere: f64,
 }
 
-/// A speed in exemplars a frame, and how often robots take it up.
-type Speed = (isize, f64);
-
-const STANDING: &[Speed] = &[(0, 1.0)];
-/// Standing is rarer than each speed by a factor of five: a robot that stands for long is found out soon enough.
-const ALONG_A_PATH: &[Speed] = &[
-    (-3, 5.0 / 31.0),
-    (-2, 5.0 / 31.0),
-    (-1, 5.0 / 31.0),
-    (0, 1.0 / 31.0),
-    (1, 5.0 / 31.0),
-    (2, 5.0 / 31.0),
-    (3, 5.0 / 31.0),
-];
+/// Speeds along a path, exemplars a frame.
+const SPEEDS: [isize; 7] = [-3, -2, -1, 0, 1, 2, 3];
+/// Probability that a robot takes up each speed when it changes. Standing is rarer by a factor of five: a few frames
+/// reveal a robot that stands for long.
+const MOVES: f64 = 5.0 / 31.0;
+const STANDS: f64 = 1.0 / 31.0;
 /// Probability of keeping the speed from one frame to the next.
 const KEEPS_SPEED: f64 = 0.9;
 /// Probability of being one exemplar ahead of the speed; as much again of being one behind.
 const DRIFTS: f64 = 0.05;
-/// Probability of being carried to anywhere between two frames, along a path and without one.
-const CARRIED: [f64; 2] = [0.01, 0.1];
-/// Probability of leaving what is known between two frames.
+/// Probability of being kidnapped between two frames, that is carried to anywhere among the exemplars: along a path and
+/// without one.
+const KIDNAPPED_ON_PATH: f64 = 0.01;
+const KIDNAPPED: f64 = 0.1;
+/// Probability of leaving for elsewhere between two frames.
 const LEAVES: f64 = 0.001;
-/// Probability of coming back from elsewhere.
+/// Probability of coming back from elsewhere between two frames.
 const RETURNS: f64 = 0.1;
-/// Before the first frame.
+/// Probability of being elsewhere before the first frame.
 const ELSEWHERE_AT_FIRST: f64 = 0.5;
-/// Of a robot that walks off the path's end: the part that is elsewhere, not anywhere along it.
+/// The part of the probability beyond the path's end that is elsewhere. The rest is anywhere along the path.
 const ELSEWHERE_PAST_THE_END: f64 = 0.5;
 
-/// Logarithm of the odds that a standard deviation of W is worth.
+/// Log-odds of one standard deviation of W.
 const SHARPNESS: f64 = 0.6;
-/// The same for a robot that stands, as a part of it.
+/// The part of the log-odds that counts for a robot that stands.
 const STANDING_SHARPNESS: f64 = 0.3;
 /// Least standard deviation of W, as a part of the greatest.
 const LEAST_DEVIATION: f64 = 0.1;
-/// More deviations than this say no more.
+/// More deviations than this add nothing.
 const MOST_DEVIATIONS: f64 = 8.0;
-/// What speaks neither for an exemplar nor for elsewhere, as a part of what the best of the wrong ones reaches by
-/// chance.
+/// Deviations that are evidence neither for an exemplar nor for elsewhere, as a part of what the best of the wrong ones
+/// reaches by chance.
 const NEUTRAL: f64 = 0.65;
 
 impl Belief {
@@ -89,22 +85,22 @@ impl Belief {
     pub fn new(motion: Motion, exemplars: usize) -> Self {
         let mut belief = Self { motion, states: Vec::new(), elsewhere: ELSEWHERE_AT_FIRST };
         let each = (1.0 - ELSEWHERE_AT_FIRST) / exemplars as f64;
-        for (_, taken) in belief.speeds() {
-            belief.states.extend(std::iter::repeat_n(taken * each, exemplars));
+        for &speed in belief.speeds() {
+            belief.states.extend(std::iter::repeat_n(belief.prior(speed) * each, exemplars));
         }
         belief
     }
 
-    /// The same belief about the exemplars of another model: for each its index in the model before, if it was there.
-    /// What was believed of those that are gone is elsewhere now.
+    /// The same belief over the exemplars of another model. `before` has of each its index in the model before, if it was
+    /// there. The probability of those that are gone goes to elsewhere.
     pub fn carried_over(&self, motion: Motion, before: &[Option<usize>]) -> Self {
         let mut next = Self { motion, states: Vec::new(), elsewhere: 0.0 };
         let probabilities = self.probabilities();
         let keeps_speed = self.speeds().len() == next.speeds().len();
-        for (row, (_, taken)) in next.speeds().iter().enumerate() {
+        for (row, &speed) in next.speeds().iter().enumerate() {
             let of_speed: Vec<f64> = match keeps_speed {
                 true => self.by_exemplar(&self.states[row * self.places()..][..self.places()]),
-                false => probabilities.iter().map(|probability| taken * probability).collect(),
+                false => probabilities.iter().map(|probability| next.prior(speed) * probability).collect(),
             };
             let states = (0..before.len()).map(|place| before[next.exemplar_at(place)]);
             let states: Vec<f64> =
@@ -115,10 +111,23 @@ impl Belief {
         next
     }
 
-    fn speeds(&self) -> &'static [Speed] {
+    fn speeds(&self) -> &'static [isize] {
         match self.motion {
-            Motion::Still => STANDING,
-            Motion::Path(_) => ALONG_A_PATH,
+            Motion::Still => &[0],
+            Motion::Path(_) => &SPEEDS,
+        }
+    }
+
+    fn prior(&self, speed: isize) -> f64 {
+        match self.motion {
+            Motion::Still => 1.0,
+            Motion::Path(_) => {
+                if speed == 0 {
+                    STANDS
+                } else {
+                    MOVES
+                }
+            }
         }
     }
 
@@ -142,7 +151,7 @@ impl Belief {
         sums
     }
 
-    /// Values of places as those of exemplars.
+    /// Values in the order of the places, reordered to that of the exemplars.
     fn by_exemplar(&self, of_places: &[f64]) -> Vec<f64> {
         let mut of_exemplars = vec![0.0; of_places.len()];
         of_places
@@ -152,7 +161,7 @@ impl Belief {
         of_exemplars
     }
 
-    /// How robots are taken to move.
+    /// The motion model.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
@@ -162,12 +171,12 @@ impl Belief {
         self.by_exemplar(&self.by_place())
     }
 
-    /// The probability of being where no exemplar was taken.
+    /// The probability of being at no exemplar.
     pub fn elsewhere(&self) -> f64 {
         self.elsewhere
     }
 
-    /// The belief in each label, the likeliest first; of equals the one that sorts first. `exemplars` are the model's.
+    /// The probability of each label, likeliest first; of equals the one that sorts first. `exemplars` are the model's.
     pub fn labels(&self, exemplars: &[ExemplarName]) -> Vec<LabelBelief> {
         let probabilities = self.probabilities();
         let mut beliefs: Vec<LabelBelief> = Vec::new();
@@ -190,23 +199,23 @@ impl Belief {
         beliefs
     }
 
-    /// Add the next frame, by W of every exemplar in the model's order. Only their proportions count; with none above 0
-    /// the frame tells nothing but that it was taken.
+    /// Adds the next frame, by W of every exemplar in the model's order. Only their proportions count; with none above 0
+    /// the belief is predicted, and not weighed.
     pub fn add(&mut self, weights: &[f64]) {
         self.predict();
         self.observe(weights);
     }
 
-    /// Move as robots do from one frame to the next.
+    /// Prediction: moves the belief by the motion model.
     fn predict(&mut self) {
         let (places, speeds, by_place) = (self.places(), self.speeds(), self.by_place());
         let mut next = vec![0.0; self.states.len()];
         let mut past_the_end = 0.0;
-        for (row, (speed, taken)) in speeds.iter().enumerate() {
-            let drifts = if *speed == 0 { 0.0 } else { DRIFTS };
+        for (row, &speed) in speeds.iter().enumerate() {
+            let drifts = if speed == 0 { 0.0 } else { DRIFTS };
             for (place, at_any_speed) in by_place.iter().enumerate() {
                 let probability = KEEPS_SPEED * self.states[row * places + place]
-                    + (1.0 - KEEPS_SPEED) * taken * at_any_speed;
+                    + (1.0 - KEEPS_SPEED) * self.prior(speed) * at_any_speed;
                 for (drift, share) in [(-1, drifts), (0, 1.0 - 2.0 * drifts), (1, drifts)] {
                     match place.checked_add_signed(speed + drift).filter(|to| *to < places) {
                         Some(to) => next[row * places + to] += share * probability,
@@ -215,20 +224,23 @@ impl Belief {
                 }
             }
         }
-        let carried = CARRIED[usize::from(self.motion == Motion::Still)];
+        let kidnapped = match self.motion {
+            Motion::Still => KIDNAPPED,
+            Motion::Path(_) => KIDNAPPED_ON_PATH,
+        };
         let here = next.iter().sum::<f64>();
         let anywhere =
-            here * carried + self.elsewhere * RETURNS + past_the_end * (1.0 - ELSEWHERE_PAST_THE_END);
+            here * kidnapped + self.elsewhere * RETURNS + past_the_end * (1.0 - ELSEWHERE_PAST_THE_END);
         self.elsewhere =
             self.elsewhere * (1.0 - RETURNS) + here * LEAVES + past_the_end * ELSEWHERE_PAST_THE_END;
-        for (row, (_, taken)) in next.chunks_exact_mut(places).zip(speeds) {
-            let arriving = taken * anywhere / places as f64;
-            row.iter_mut().for_each(|state| *state = *state * (1.0 - carried - LEAVES) + arriving);
+        for (row, &speed) in next.chunks_exact_mut(places).zip(speeds) {
+            let arriving = self.prior(speed) * anywhere / places as f64;
+            row.iter_mut().for_each(|state| *state = *state * (1.0 - kidnapped - LEAVES) + arriving);
         }
         self.states = next;
     }
 
-    /// Weigh by what the frame says.
+    /// Correction: weighs the belief by the evidence of the frame.
     fn observe(&mut self, weights: &[f64]) {
         let Some(evidence) = evidence(weights) else { return };
         let (places, speeds) = (self.places(), self.speeds());
@@ -236,7 +248,7 @@ impl Belief {
         let odds: Vec<f64> = evidence.iter().map(|evidence| evidence.exp()).collect();
         let odds_standing: Vec<f64> =
             evidence.iter().map(|evidence| (STANDING_SHARPNESS * evidence).exp()).collect();
-        for (row, (speed, _)) in self.states.chunks_exact_mut(places).zip(speeds) {
+        for (row, speed) in self.states.chunks_exact_mut(places).zip(speeds) {
             let stands_along_a_path = *speed == 0 && speeds.len() > 1;
             let odds = if stands_along_a_path { &odds_standing } else { &odds };
             row.iter_mut().zip(odds).for_each(|(state, odds)| *state *= odds);
@@ -256,10 +268,11 @@ impl Belief {
     }
 }
 
-/// What W says for each exemplar: the logarithm of its odds against elsewhere. None if nothing stands out.
+/// The log-odds of each exemplar against elsewhere; `None` if no W is above 0, or there is one exemplar alone.
 ///
-/// W has a scale of its own for every frame, so an exemplar is held against the others of the same frame: by how many of
-/// their standard deviations it lies above their mean. Of many, some lie high by chance: √(2 ln n) for n normal ones.
+/// The scale of W differs from frame to frame, so an exemplar is compared with the others of the same frame: by how many
+/// of their standard deviations its W lies above their mean. Of many, some lie high by chance: √(2 ln n) for n normal
+/// ones.
 fn evidence(weights: &[f64]) -> Option<Vec<f64>> {
     let greatest = weights.iter().copied().fold(0.0, f64::max);
     let others = weights.len().checked_sub(1).filter(|others| *others > 0 && greatest > 0.0)? as f64;
@@ -288,7 +301,7 @@ mod tests {
     }
 
     /// W of a frame taken at a place: mostly high there and beside it, and now and then anywhere else.
-    fn seen(frame: usize, place: usize) -> Vec<f64> {
+    fn weights_at(frame: usize, place: usize) -> Vec<f64> {
         let weight = |exemplar: usize| {
             let near = match exemplar.abs_diff(place) {
                 0 => 1.2,
@@ -311,7 +324,7 @@ mod tests {
     /// After every frame, how far the likeliest exemplar is from where the robot is.
     fn misses(belief: &mut Belief, walk: impl Iterator<Item = usize>) -> Vec<usize> {
         let step = |(frame, place): (usize, usize)| {
-            belief.add(&seen(frame, place));
+            belief.add(&weights_at(frame, place));
             best(&belief.probabilities()).abs_diff(place)
         };
         walk.enumerate().map(step).collect()
@@ -323,7 +336,7 @@ mod tests {
 
     #[test]
     fn frames_that_are_often_wrong_add_up_along_a_path() {
-        let singly = (0..PLACES).filter(|&at| best(&seen(at, at)).abs_diff(at) > 1).count();
+        let singly = (0..PLACES).filter(|&at| best(&weights_at(at, at)).abs_diff(at) > 1).count();
         assert!(singly > PLACES / 4, "single frames are wrong {singly} times");
         let on = (0..PLACES).collect::<Vec<_>>();
         let back = (0..PLACES).rev().collect::<Vec<_>>();
@@ -342,7 +355,7 @@ mod tests {
         let mut belief = Belief::new(Motion::Path(order.clone()), PLACES);
         let mut straight = in_order();
         for at in 0..40 {
-            let along = seen(at, at);
+            let along = weights_at(at, at);
             let mut weights = vec![0.0; PLACES];
             order.iter().zip(&along).for_each(|(&exemplar, weight)| weights[exemplar] = *weight);
             belief.add(&weights);
@@ -354,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_is_carried_off_is_found_again() {
+    fn a_kidnapped_robot_is_found_again() {
         let mut belief = in_order();
         let misses = misses(&mut belief, (0..25).chain(45..PLACES));
         assert!(misses[20..25].iter().all(|miss| *miss <= 2), "{misses:?}");
@@ -376,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_that_nothing_stands_out_of_are_elsewhere() {
+    fn frames_without_an_outstanding_exemplar_are_elsewhere() {
         let mut belief = in_order();
         misses(&mut belief, 0..20);
         let known = belief.elsewhere();
@@ -410,8 +423,8 @@ mod tests {
     fn only_the_proportions_of_weights_count() {
         let (mut belief, mut other) = (in_order(), in_order());
         for at in 0..5 {
-            belief.add(&seen(at, at));
-            other.add(&seen(at, at).iter().map(|weight| weight * 1024.0).collect::<Vec<_>>());
+            belief.add(&weights_at(at, at));
+            other.add(&weights_at(at, at).iter().map(|weight| weight * 1024.0).collect::<Vec<_>>());
         }
         assert_eq!(belief, other);
     }
@@ -455,7 +468,7 @@ mod tests {
         let exemplars: Vec<_> = ["a", "b", "b", "c"].into_iter().enumerate().map(exemplar).collect();
         let states = vec![0.25, 0.125, 0.25, 0.25];
         let labels = Belief { motion: Motion::Still, states, elsewhere: 0.125 }.labels(&exemplars);
-        let told: Vec<_> = labels.iter().map(|l| (l.label.as_str(), l.probability, l.exemplar)).collect();
-        assert_eq!(told, [("b", 0.375, 2), ("a", 0.25, 0), ("c", 0.25, 3)]);
+        let found: Vec<_> = labels.iter().map(|l| (l.label.as_str(), l.probability, l.exemplar)).collect();
+        assert_eq!(found, [("b", 0.375, 2), ("a", 0.25, 0), ("c", 0.25, 3)]);
     }
 }

@@ -3,149 +3,159 @@
 //! A *window* is a sub-window of one radius about one interest point; with several radii a point has several.
 //! Windows stand point by point, the smallest radius first.
 
-use super::contour::{ContourPoint, contour};
+use super::edge_template::edge_points;
+use super::model::Exemplar;
 use super::options::{Colour, LandmarkOptions, Method, Operator, Viewpoint};
 use crate::imaging::{Frame, Image};
 use crate::vision::theta_spectrum::kept_spectrum;
 use crate::vision::{
-    InterestPoint, OpponentPlan, PolarGrid, SignaturePlan, ThetaPlan, harris, interest_points, smoothed,
-    spread, symmetry_map,
+    InterestPoint, OpponentPlan, PolarGrid, SignaturePlan, SignatureScratch, ThetaPlan, bucketed, harris,
+    interest_points, smoothed, symmetry_map,
 };
 
-/// Smoothing before the symmetry operator: an edge should have one direction, not its pixels' noise.
+/// Smoothing before the interest operator: an edge should have one direction, not its pixels' noise.
 const ATTENTION_SIGMA_PX: f32 = 1.0;
 /// A sub-window is smoothed by this part of its radius, and by 1 px at least: its samples lie farther
 /// apart the larger it is.
 const SUBWINDOW_SIGMA: f64 = 1.0 / 12.0;
-/// Side of the squares that take turns in being looked at: background with strong contrast doesn't crowd out
+/// Side of the buckets that interest points are taken from in turn: background with strong contrast doesn't crowd out
 /// the rest of the frame.
-const SPREAD_PX: usize = 32;
-/// What the opponent planes count beside luminance.
+const BUCKET_SIDE_PX: usize = 32;
+/// Weight of the opponent planes against luminance.
 const OPPONENT_WEIGHT: f32 = 0.5;
 
-/// What an exemplar is called.
+/// Name of an exemplar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExemplarName {
     /// Its own name, unique in a database.
     pub id: String,
-    /// What it shows.
+    /// The class or place that it shows.
     pub label: String,
 }
 
 /// A sub-window about an interest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// What it lies about.
+    /// Its centre.
     pub point: InterestPoint,
-    /// Which of the options' radii it has.
+    /// Index of its radius among the options' radii.
     pub radius: u8,
 }
 
 /// The windows of one exemplar, and their signatures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DescribedExemplar {
-    /// What it is called.
-    pub name: ExemplarName,
-    /// Width of its picture.
-    pub width_px: usize,
-    /// Height of its picture.
-    pub height_px: usize,
+    /// Name, size and edge points.
+    pub exemplar: Exemplar,
     /// Point by point.
     pub windows: Vec<Window>,
     /// Whether the signatures end with their colour part.
     pub colour: bool,
     /// One row a window.
     pub signatures: Vec<f32>,
-    /// One row a window, if matches are to say where the exemplar lies; else none.
+    /// One row a window if the method verifies placements, else empty.
     pub spectra: Vec<i8>,
-    /// Where its strongest gradients are, if it is to be laid on frames; else none.
-    pub contour: Vec<ContourPoint>,
 }
 
-/// Describe one exemplar. Exemplars don't depend on each other: they may be described in parallel.
+/// Describes one exemplar. Exemplars don't depend on each other: they may be described in parallel.
 ///
 /// With [`Colour::Auto`] a colour frame gets the colour part as well; training leaves it out if other
 /// exemplars have none. The options must be without [`LandmarkOptions::faults`].
 pub fn describe(name: ExemplarName, frame: &Frame, options: &LandmarkOptions) -> DescribedExemplar {
-    let options = options.with_colour_if_auto(frame.is_colour());
+    let options = options.with_colour(frame.is_colour());
     let describer = Describer::new(&options);
     let attention = describer.attend(frame);
-    let seen = describer.sign(&mut describer.look(frame, &attention), options.interest_points);
-    let mut spectra = Vec::with_capacity(seen.spectra.len());
-    if let Some(plan) = describer.turns() {
-        seen.spectra.chunks_exact(plan.length()).for_each(|row| kept_spectrum(row, &mut spectra));
+    let mut planes = describer.smooth(frame, &attention);
+    let batch = describer.next_batch(&mut planes, options.interest_points);
+    let mut spectra = Vec::with_capacity(batch.spectra.len());
+    if let Some(plan) = describer.phase_plan() {
+        batch.spectra.chunks_exact(plan.length()).for_each(|row| kept_spectrum(row, &mut spectra));
     }
     DescribedExemplar {
-        name,
-        width_px: frame.width(),
-        height_px: frame.height(),
-        windows: seen.windows,
+        exemplar: Exemplar {
+            id: name.id,
+            label: name.label,
+            width_px: frame.width() as u32,
+            height_px: frame.height() as u32,
+            windows: batch.windows.len(),
+            edges: if options.verifies_placements() { edge_points(&attention.smoothed) } else { Vec::new() },
+        },
+        windows: batch.windows,
         colour: options.colour == Colour::Opponent,
-        signatures: seen.signatures,
+        signatures: batch.signatures,
         spectra,
-        contour: if options.places() { contour(&attention.smoothed) } else { Vec::new() },
     }
 }
 
-/// What drew attention in a frame.
+/// The interest points of a frame.
 pub(super) struct Attention {
-    /// All interest points, in the order in which they are looked at.
+    /// All interest points, in the order in which they are described.
     pub points: Vec<InterestPoint>,
     /// The smoothed luminance they were found in.
     pub smoothed: Image,
 }
 
-/// A frame made ready for sub-windows of every radius, and how far its points have been looked at.
-pub(super) struct Look<'a> {
+/// The planes of a frame, smoothed for the sub-windows of every radius, and the next point to describe.
+pub(super) struct SmoothedPlanes<'a> {
     attention: &'a Attention,
-    /// For each radius: the luminance, and the opponent planes; `None` for what [`Attention`] holds.
+    /// Of each radius; `None` where [`Attention::smoothed`] is the same.
     luminance: Vec<Option<Image>>,
+    /// Of each radius; empty without colour.
     opponents: Vec<[Image; 2]>,
-    next: usize,
+    next_point: usize,
 }
 
-/// Windows of a frame.
+/// Windows of a frame, and what describes them.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct WindowBatch {
     pub windows: Vec<Window>,
     /// One row a window.
     pub signatures: Vec<f32>,
-    /// One row a window, if the options ask for them.
+    /// One row a window if the method verifies placements, else empty.
     pub spectra: Vec<f32>,
 }
 
-/// All that is computed once for descriptions under the same options.
+/// The plans of all that a description computes under the same options.
 pub(super) struct Describer {
     operator: Operator,
     symmetry_radius_px: usize,
-    /// Whether all of the frame is looked at before any part of it a second time.
-    spread: bool,
+    /// Whether interest points are taken from buckets in turn.
+    bucketing: bool,
     scales: Vec<Scale>,
     gray: GrayPlan,
     opponent: Option<OpponentPlan>,
 }
 
-/// How sub-windows of one radius are sampled.
+/// Sampling of the sub-windows of one radius.
 struct Scale {
     sigma_px: f32,
     grid: PolarGrid,
 }
 
-/// What is made of the luminance of a sub-window.
+/// Signature of the luminance of a sub-window.
 enum GrayPlan {
     /// A§4.4: amplitudes of its two-dimensional transform.
     Amplitude(SignaturePlan),
-    /// Amplitudes ring by ring; the phases are kept beside.
+    /// Amplitudes of the transform along θ, ring by ring; the phases are kept beside.
     Rings(ThetaPlan),
-    /// Itself, tapered.
+    /// The sub-window itself, tapered.
     Upright(ThetaPlan),
 }
 
+/// Buffers for the windows of one point, used again for the next.
+struct PointBuffers {
+    samples: Vec<f32>,
+    transform: Option<SignatureScratch>,
+    /// One row a radius.
+    signatures: Vec<f32>,
+    /// One row a radius, rows of length 0 without spectra.
+    spectra: Vec<f32>,
+}
+
 impl Describer {
-    /// The colour of the options must be settled.
+    /// The colour of the options must be resolved.
     pub fn new(options: &LandmarkOptions) -> Describer {
         let (rings, sectors) = (options.rings, options.sectors);
-        let opponent = (options.colour == Colour::Opponent).then(|| OpponentPlan::new(rings, sectors));
         let scale = |&radius_px: &f64| Scale {
             sigma_px: (radius_px * SUBWINDOW_SIGMA).max(1.0) as f32,
             grid: PolarGrid::new(radius_px, rings, sectors),
@@ -154,7 +164,7 @@ impl Describer {
         Describer {
             operator: options.operator,
             symmetry_radius_px: options.symmetry_radius_px,
-            spread: options.method == Method::Placement,
+            bucketing: options.method == Method::Placement,
             scales: options.subwindow_radii_px.iter().map(scale).collect(),
             gray: match (options.method, options.viewpoint) {
                 (Method::Paper, _) => {
@@ -163,11 +173,11 @@ impl Describer {
                 (Method::Placement, Viewpoint::Free) => GrayPlan::Rings(theta()),
                 (Method::Placement, Viewpoint::Upright) => GrayPlan::Upright(theta()),
             },
-            opponent,
+            opponent: (options.colour == Colour::Opponent).then(|| OpponentPlan::new(rings, sectors)),
         }
     }
 
-    /// A§4.2: where to look.
+    /// A§4.2: finds the interest points.
     pub fn attend(&self, frame: &Frame) -> Attention {
         let smoothed = smoothed(&frame.luminance, ATTENTION_SIGMA_PX);
         let radius_px = self.symmetry_radius_px;
@@ -176,11 +186,14 @@ impl Describer {
             Operator::Harris => harris(&smoothed, radius_px),
         };
         let points = interest_points(&map);
-        Attention { points: if self.spread { spread(&points, SPREAD_PX) } else { points }, smoothed }
+        Attention {
+            points: if self.bucketing { bucketed(&points, BUCKET_SIDE_PX) } else { points },
+            smoothed,
+        }
     }
 
-    /// The frame made ready, no point looked at yet.
-    pub fn look<'a>(&self, frame: &Frame, attention: &'a Attention) -> Look<'a> {
+    /// Smooths the planes for every radius. The first point is the next.
+    pub fn smooth<'a>(&self, frame: &Frame, attention: &'a Attention) -> SmoothedPlanes<'a> {
         let planes = self.opponent.as_ref().map(|_| frame.opponent_planes());
         let luminance = |scale: &Scale| {
             (scale.sigma_px != ATTENTION_SIGMA_PX).then(|| smoothed(&frame.luminance, scale.sigma_px))
@@ -188,83 +201,99 @@ impl Describer {
         let opponents = planes.iter().flat_map(|planes| {
             self.scales.iter().map(|scale| [0, 1].map(|plane| smoothed(&planes[plane], scale.sigma_px)))
         });
-        Look {
+        SmoothedPlanes {
             attention,
             luminance: self.scales.iter().map(luminance).collect(),
             opponents: opponents.collect(),
-            next: 0,
+            next_point: 0,
         }
     }
 
-    /// What compares the phases of two windows, if they are kept.
-    pub fn turns(&self) -> Option<&ThetaPlan> {
+    /// The plan that compares the phases of two windows, if they are kept.
+    pub fn phase_plan(&self) -> Option<&ThetaPlan> {
         match &self.gray {
             GrayPlan::Rings(plan) => Some(plan),
             GrayPlan::Amplitude(_) | GrayPlan::Upright(_) => None,
         }
     }
 
-    /// A§4.3, A§4.4: what is seen at the next `count` points, and its signatures, one row a window.
+    /// A§4.3, A§4.4: describes the windows of the next `points` points, fewer if the frame has no more.
     ///
-    /// Points whose sub-window is flat are passed over: all flat windows look the same, so they would give
-    /// the largest weight there is to whichever exemplar has one.
-    pub fn sign(&self, look: &mut Look<'_>, count: usize) -> Seen {
-        let (gray, spectrum_length) = match &self.gray {
-            GrayPlan::Amplitude(plan) => (plan.length(), 0),
-            GrayPlan::Rings(plan) => (plan.amplitudes(), plan.length()),
-            GrayPlan::Upright(plan) => (plan.samples(), 0),
-        };
-        let length = gray + self.opponent.as_ref().map_or(0, |plan| 2 * plan.length());
-        let scales = self.scales.len();
-        let expected = count.min(look.attention.points.len() - look.next) * scales;
-        let mut seen = Seen {
+    /// Points with a flat sub-window are skipped: all flat windows look the same, so they would give the
+    /// largest weight there is to whichever exemplar has one.
+    pub fn next_batch(&self, planes: &mut SmoothedPlanes<'_>, points: usize) -> WindowBatch {
+        let radii = self.scales.len();
+        let expected = points.min(planes.attention.points.len() - planes.next_point) * radii;
+        let mut batch = WindowBatch {
             windows: Vec::with_capacity(expected),
-            signatures: Vec::with_capacity(expected * length),
-            spectra: Vec::with_capacity(expected * spectrum_length),
+            signatures: Vec::with_capacity(expected * self.signature_length()),
+            spectra: Vec::with_capacity(expected * self.spectrum_length()),
         };
-        let mut rows = vec![0.0; scales * length];
-        let mut spectra = vec![0.0; scales * spectrum_length];
-        let mut samples = vec![0.0; self.scales[0].grid.rings() * self.scales[0].grid.sectors()];
-        let mut scratch = match &self.gray {
-            GrayPlan::Amplitude(plan) => Some(plan.scratch()),
-            GrayPlan::Rings(_) | GrayPlan::Upright(_) => None,
+        let mut buffers = PointBuffers {
+            samples: vec![0.0; self.scales[0].grid.rings() * self.scales[0].grid.sectors()],
+            transform: None,
+            signatures: vec![0.0; radii * self.signature_length()],
+            spectra: vec![0.0; radii * self.spectrum_length()],
         };
-        while seen.windows.len() < count * scales && look.next < look.attention.points.len() {
-            let point = look.attention.points[look.next];
-            look.next += 1;
-            let mut visible = true;
-            for (radius, scale) in self.scales.iter().enumerate() {
-                let luminance = look.luminance[radius].as_ref().unwrap_or(&look.attention.smoothed);
-                scale.grid.sample(luminance, point.x_px, point.y_px, &mut samples); // A§4.3
-                let (gray, colour) = rows[radius * length..][..length].split_at_mut(gray);
-                visible &= match (&self.gray, &mut scratch) {
-                    (GrayPlan::Amplitude(plan), Some(scratch)) => plan.sign(&samples, scratch, gray), // A§4.4
-                    (GrayPlan::Amplitude(_), None) => false,
-                    (GrayPlan::Rings(plan), _) => plan.transform(
-                        &samples,
-                        &mut spectra[radius * spectrum_length..][..spectrum_length],
-                        gray,
-                    ),
-                    (GrayPlan::Upright(plan), _) => plan.upright(&samples, gray),
-                };
-                if !visible {
-                    break;
-                }
-                if let Some(plan) = &self.opponent {
-                    let planes = &look.opponents[radius];
-                    for (plane, part) in planes.iter().zip(colour.chunks_exact_mut(plan.length())) {
-                        scale.grid.sample(plane, point.x_px, point.y_px, &mut samples);
-                        plan.sign(&samples, OPPONENT_WEIGHT, part);
-                    }
-                }
-            }
-            if visible {
-                seen.windows.extend((0..scales).map(|radius| Window { point, radius: radius as u8 }));
-                seen.signatures.extend_from_slice(&rows);
-                seen.spectra.extend_from_slice(&spectra);
+        while batch.windows.len() < points * radii
+            && let Some(&point) = planes.attention.points.get(planes.next_point)
+        {
+            planes.next_point += 1;
+            if (0..radii).all(|radius| self.describe_window(planes, point, radius, &mut buffers)) {
+                batch.windows.extend((0..radii).map(|radius| Window { point, radius: radius as u8 }));
+                batch.signatures.extend_from_slice(&buffers.signatures);
+                batch.spectra.extend_from_slice(&buffers.spectra);
             }
         }
-        seen
+        batch
+    }
+
+    /// Writes the signature of one window, and its spectrum. Returns false if the window is flat.
+    fn describe_window(
+        &self,
+        planes: &SmoothedPlanes<'_>,
+        point: InterestPoint,
+        radius: usize,
+        buffers: &mut PointBuffers,
+    ) -> bool {
+        let PointBuffers { samples, transform, signatures, spectra } = buffers;
+        let (signature_length, spectrum_length) = (self.signature_length(), self.spectrum_length());
+        let signature = &mut signatures[radius * signature_length..][..signature_length];
+        let (gray, colour) = signature.split_at_mut(self.gray_length());
+        let spectrum = &mut spectra[radius * spectrum_length..][..spectrum_length];
+        let grid = &self.scales[radius].grid;
+        let luminance = planes.luminance[radius].as_ref().unwrap_or(&planes.attention.smoothed);
+        grid.sample(luminance, point.x_px, point.y_px, samples); // A§4.3
+        let visible = match &self.gray {
+            GrayPlan::Amplitude(plan) => {
+                plan.sign(samples, transform.get_or_insert_with(|| plan.scratch()), gray) // A§4.4
+            }
+            GrayPlan::Rings(plan) => plan.transform(samples, spectrum, gray),
+            GrayPlan::Upright(plan) => plan.upright(samples, gray),
+        };
+        if let Some(plan) = self.opponent.as_ref().filter(|_| visible) {
+            for (plane, part) in planes.opponents[radius].iter().zip(colour.chunks_exact_mut(plan.length())) {
+                grid.sample(plane, point.x_px, point.y_px, samples);
+                plan.sign(samples, OPPONENT_WEIGHT, part);
+            }
+        }
+        visible
+    }
+
+    fn gray_length(&self) -> usize {
+        match &self.gray {
+            GrayPlan::Amplitude(plan) => plan.length(),
+            GrayPlan::Rings(plan) => plan.amplitudes(),
+            GrayPlan::Upright(plan) => plan.samples(),
+        }
+    }
+
+    fn signature_length(&self) -> usize {
+        self.gray_length() + self.opponent.as_ref().map_or(0, |plan| 2 * plan.length())
+    }
+
+    fn spectrum_length(&self) -> usize {
+        self.phase_plan().map_or(0, ThetaPlan::length)
     }
 }
 
@@ -274,6 +303,7 @@ mod tests {
 
     use super::super::pictures::{name, paper, quarter_turned, toy};
     use super::*;
+    use crate::statistics::median;
 
     fn described(frame: &Frame, options: &LandmarkOptions) -> DescribedExemplar {
         describe(name("a", "a"), frame, options)
@@ -331,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_subwindow_is_passed_over() {
+    fn a_flat_subwindow_is_skipped() {
         // the middle of a large disc is as symmetric as can be, and within 5 px there is nothing
         let disc = Image::from_fn(90, 64, |x, y| {
             let (dx, dy) = (x as f32 - 30.0, y as f32 - 30.0);
@@ -403,15 +433,15 @@ mod tests {
             let frame = Frame::gray(picture);
             // the same places in both: which points come first may change with contrast
             let attention = describer.attend(&frame);
-            let windows = describer.sign(&mut describer.look(&frame, &attention), 64).windows;
-            let looked_at = |frame: &Frame| {
+            let windows = describer.next_batch(&mut describer.smooth(&frame, &attention), 64).windows;
+            let described_at = |frame: &Frame| {
                 let points = windows.iter().map(|window| window.point).collect();
                 let attention = Attention { points, ..describer.attend(frame) };
-                let seen = describer.sign(&mut describer.look(frame, &attention), windows.len());
-                assert_eq!(seen.windows, windows);
-                seen.signatures
+                let batch = describer.next_batch(&mut describer.smooth(frame, &attention), windows.len());
+                assert_eq!(batch.windows, windows);
+                batch.signatures
             };
-            let (before, after) = (looked_at(&frame), looked_at(&lit));
+            let (before, after) = (described_at(&frame), described_at(&lit));
             let length = options.signature_length();
             for (a, b) in before.chunks_exact(length).zip(after.chunks_exact(length)) {
                 prop_assert!(distance(a, b) < 2e-3, "{}", distance(a, b));
@@ -430,11 +460,11 @@ mod tests {
         let rows = described.windows.len();
         assert_eq!(described.signatures.len(), rows * options.signature_length());
         assert_eq!(described.spectra.len(), rows * 8 * 24);
-        let describer = Describer::new(&options.with_colour_if_auto(false));
+        let describer = Describer::new(&options.with_colour(false));
         let attention = describer.attend(&frame);
-        let mut look = describer.look(&frame, &attention);
-        let batches = [10, 7, usize::MAX / 4].map(|count| describer.sign(&mut look, count));
-        let windows: Vec<Window> = batches.iter().flat_map(|seen| seen.windows.clone()).collect();
+        let mut planes = describer.smooth(&frame, &attention);
+        let batches = [10, 7, usize::MAX / 4].map(|count| describer.next_batch(&mut planes, count));
+        let windows: Vec<Window> = batches.iter().flat_map(|batch| batch.windows.clone()).collect();
         assert_eq!(windows[..rows], described.windows);
         assert_eq!((batches[0].windows.len(), batches[1].windows.len()), (20, 14));
     }
@@ -462,8 +492,7 @@ mod tests {
                 }
             }
             assert!(changes.len() > 20);
-            changes.sort_by(f32::total_cmp);
-            changes[changes.len() / 2]
+            median(&mut changes, f32::total_cmp).expect("windows were found again")
         };
         let (free, upright) = (changed(Viewpoint::Free), changed(Viewpoint::Upright));
         assert!(free < 1e-3 && upright > 0.3, "free {free}, upright {upright}");

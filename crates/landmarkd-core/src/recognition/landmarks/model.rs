@@ -1,31 +1,47 @@
 //! A trained landmark database: an immutable value that recognises frames.
 
-use super::confidence::Confidence;
-use super::contour::ContourPoint;
+use super::confidence::{CalibrationSample, Confidence, Reliability};
 use super::description::{Describer, ExemplarName, Window};
+use super::edge_template::EdgePoint;
+use super::held_out::CalibrationPlan;
 use super::options::LandmarkOptions;
+use super::recognise::recognise;
+use super::recognition::{Recognition, Stage};
 use crate::eigen::{EigenpointIndex, Eigenspace};
+use crate::imaging::Frame;
 
 /// One training image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exemplar {
     /// Its own name, unique in the database.
     pub id: String,
-    /// What it shows.
+    /// The class or place that it shows.
     pub label: String,
     /// Width of its picture.
     pub width_px: u32,
     /// Height of its picture.
     pub height_px: u32,
-    /// How many windows it has.
+    /// Number of its windows and eigenpoints.
     pub windows: usize,
-    /// What of it is laid on frames, if anything.
-    pub contour: Vec<ContourPoint>,
+    /// Points of its edge template; none if the method verifies no placements.
+    pub edges: Vec<EdgePoint>,
 }
 
-/// The window that an eigenpoint comes from.
+impl Exemplar {
+    /// What exemplars are sorted by.
+    pub(super) fn sort_key(&self) -> (&str, &str) {
+        (&self.label, &self.id)
+    }
+
+    /// Id and label.
+    pub fn name(&self) -> ExemplarName {
+        ExemplarName { id: self.id.clone(), label: self.label.clone() }
+    }
+}
+
+/// A window of an exemplar, from which an eigenpoint was computed.
 #[derive(Clone, Copy)]
-pub(super) struct Owned {
+pub(super) struct TrainedWindow {
     pub window: Window,
     /// Index of its exemplar.
     pub exemplar: u32,
@@ -33,7 +49,7 @@ pub(super) struct Owned {
 
 /// A trained landmark database.
 pub struct Landmarks {
-    /// With the colour that is used, never `Auto`.
+    /// The colour is resolved, never `Auto`.
     pub(super) options: LandmarkOptions,
     pub(super) describer: Describer,
     /// Sorted by label, then id.
@@ -41,11 +57,12 @@ pub struct Landmarks {
     pub(super) eigenspace: Eigenspace,
     pub(super) index: EigenpointIndex,
     /// In the order of the eigenpoints; exemplars ascend.
-    pub(super) owned: Vec<Owned>,
-    /// A row an eigenpoint, and the length of each, if matches say where exemplars lie.
+    pub(super) windows: Vec<TrainedWindow>,
+    /// A row an eigenpoint if the method verifies placements, else empty.
     pub(super) spectra: Vec<i8>,
+    /// Norm of each row of `spectra`.
     pub(super) spectrum_lengths: Vec<f32>,
-    /// How sure answers are, once that was rehearsed.
+    /// `None` before calibration.
     pub(super) confidence: Option<Confidence>,
 }
 
@@ -55,10 +72,9 @@ impl Landmarks {
         &self.exemplars
     }
 
-    /// What the exemplars are called, in their order.
+    /// Ids and labels of the exemplars, in their order.
     pub fn names(&self) -> Vec<ExemplarName> {
-        let name = |e: &Exemplar| ExemplarName { id: e.id.clone(), label: e.label.clone() };
-        self.exemplars.iter().map(name).collect()
+        self.exemplars.iter().map(Exemplar::name).collect()
     }
 
     /// The different labels, ascending.
@@ -73,30 +89,45 @@ impl Landmarks {
         &self.options
     }
 
-    /// How sure answers are; `None` if that was never rehearsed.
+    /// The curve from evidence to probability; `None` before calibration.
     pub fn confidence(&self) -> Option<&Confidence> {
         self.confidence.as_ref()
     }
 
-    /// Coordinates of an eigenpoint: as many as asked for, or as there are.
+    /// Coordinates of an eigenpoint: as many as the options ask for, or as the signatures span.
     pub fn dimension(&self) -> usize {
         self.eigenspace.dimension()
     }
 
-    /// Memory held, to within what an allocator adds.
+    /// Recognises a frame. Calls `finished` after each stage, some of them several times: the caller holds the clock.
+    ///
+    /// The decision is `None` if its probability of being right is below the database's threshold. A database that
+    /// isn't calibrated has no threshold and always decides for the best vote.
+    pub fn recognise(&self, frame: &Frame, finished: impl FnMut(Stage)) -> Recognition {
+        recognise(self, None, frame, finished)
+    }
+
+    /// Fits the confidence to samples of a [`CalibrationPlan`]: round by round, in each round in the order of its
+    /// exemplars. Changes nothing and returns `None` if there are too few samples, or only right or only wrong ones.
+    pub fn calibrate(&mut self, samples: &[CalibrationSample]) -> Option<Reliability> {
+        let exemplars = CalibrationPlan::of(self).exemplars.len();
+        let (confidence, reliability) = Confidence::fit(samples, exemplars)?;
+        self.confidence = Some(confidence);
+        Some(reliability)
+    }
+
+    /// Memory held, without the allocator's overhead.
     pub fn bytes(&self) -> usize {
         let exemplar =
-            |e: &Exemplar| size_of::<Exemplar>() + e.id.len() + e.label.len() + size_of_val(&e.contour[..]);
-        let exemplars: usize = self.exemplars.iter().map(exemplar).sum();
-        let spectra = size_of_val(&self.spectra[..]) + size_of_val(&self.spectrum_lengths[..]);
-        let space = size_of_val(&self.eigenspace.mean[..])
-            + size_of_val(&self.eigenspace.basis[..])
-            + size_of_val(&self.eigenspace.eigenvalues[..]);
+            |e: &Exemplar| size_of::<Exemplar>() + e.id.len() + e.label.len() + size_of_val(&e.edges[..]);
         size_of::<Landmarks>()
-            + exemplars
-            + space
+            + self.exemplars.iter().map(exemplar).sum::<usize>()
+            + size_of_val(&self.eigenspace.mean[..])
+            + size_of_val(&self.eigenspace.basis[..])
+            + size_of_val(&self.eigenspace.eigenvalues[..])
             + self.index.bytes()
-            + size_of_val(&self.owned[..])
-            + spectra
+            + size_of_val(&self.windows[..])
+            + size_of_val(&self.spectra[..])
+            + size_of_val(&self.spectrum_lengths[..])
     }
 }

@@ -1,21 +1,15 @@
 //! Local naive Bayes (McCann, Lowe 2012) for places seen upright: of the k eigenpoints nearest to a window, the
-//! farthest stands for the background; each label among them gets what it is nearer than that, squared distances,
-//! once a window.
+//! farthest stands for the background. Each label among them gains the difference of squared distances to the
+//! background and to its nearest eigenpoint, once a window.
 
 use super::model::Exemplar;
 use super::recognition::PointVote;
+use super::vote::Tally;
 use crate::eigen::Neighbour;
 use crate::vision::InterestPoint;
 
-/// What the windows gave.
-pub(super) struct Tally {
-    /// A row a window and label, in the windows' order: the nearest eigenpoint of the label.
-    pub points: Vec<PointVote>,
-    /// W of every exemplar, each counted once a window.
-    pub exemplar_weights: Vec<f64>,
-}
-
-/// Count windows with their `count` nearest eigenpoints each, nearest first.
+/// Counts windows with their nearest eigenpoints, nearest first. A label has one vote a window, an exemplar's W counts
+/// each window once.
 pub(super) fn tally<'a>(
     windows: impl Iterator<Item = (InterestPoint, &'a [Neighbour])>,
     exemplar_of: impl Fn(usize) -> usize,
@@ -23,29 +17,22 @@ pub(super) fn tally<'a>(
 ) -> Tally {
     let mut points = Vec::new();
     let mut exemplar_weights = vec![0.0; exemplars.len()];
-    let mut seen: Vec<usize> = Vec::new();
+    let mut counted: Vec<usize> = Vec::new();
     for (point, neighbours) in windows {
         let Some((background, near)) = neighbours.split_last() else { continue };
         let square = |neighbour: &Neighbour| f64::from(neighbour.distance).powi(2);
-        seen.clear();
+        counted.clear();
         for neighbour in near {
             let exemplar = exemplar_of(neighbour.index);
-            if seen.contains(&exemplar) {
+            if counted.contains(&exemplar) {
                 continue;
             }
             let gain = square(background) - square(neighbour);
             exemplar_weights[exemplar] += gain;
-            if !seen.iter().any(|&other| exemplars[other].label == exemplars[exemplar].label) {
-                points.push(PointVote {
-                    x_px: point.x_px,
-                    y_px: point.y_px,
-                    salience: point.salience,
-                    exemplar,
-                    distance: f64::from(neighbour.distance),
-                    weight: gain,
-                });
+            if !counted.iter().any(|&other| exemplars[other].label == exemplars[exemplar].label) {
+                points.push(PointVote::new(point, exemplar, neighbour.distance, gain));
             }
-            seen.push(exemplar);
+            counted.push(exemplar);
         }
     }
     Tally { points, exemplar_weights }
@@ -63,7 +50,7 @@ mod tests {
             width_px: 9,
             height_px: 9,
             windows: 2,
-            contour: Vec::new(),
+            edges: Vec::new(),
         };
         let exemplars = [exemplar("1", "a"), exemplar("2", "a"), exemplar("3", "b")];
         let near = |index, distance| Neighbour { index, distance };
@@ -72,8 +59,8 @@ mod tests {
         let point = InterestPoint { x_px: 1.0, y_px: 2.0, salience: 3.0 };
         let tally = tally([(point, &row[..])].into_iter(), |index| index / 2, &exemplars);
         assert_eq!(tally.exemplar_weights, [16.0 - 4.0, 16.0 - 1.0, 16.0 - 9.0]);
-        let told: Vec<(usize, f64)> = tally.points.iter().map(|p| (p.exemplar, p.weight)).collect();
-        assert_eq!(told, [(1, 15.0), (2, 7.0)]);
+        let votes: Vec<(usize, f64)> = tally.points.iter().map(|p| (p.exemplar, p.weight)).collect();
+        assert_eq!(votes, [(1, 15.0), (2, 7.0)]);
         assert!(super::tally([(point, &row[..0])].into_iter(), |index| index, &exemplars).points.is_empty());
     }
 }

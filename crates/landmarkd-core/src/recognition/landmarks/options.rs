@@ -1,5 +1,8 @@
-//! The options of a landmark database. What is absent has the default of its method and viewpoint; each option
-//! says where the paper has it.
+//! The options of a landmark database, with the defaults of each method and viewpoint, and the section of the paper that
+//! each option comes from.
+
+use std::fmt::{Debug, Display};
+use std::ops::RangeInclusive;
 
 use crate::recognition::OptionFault;
 use crate::vision::OpponentPlan;
@@ -9,13 +12,13 @@ pub use crate::vision::{Normalise, Taper};
 /// How matches become an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Matches that agree on where an exemplar lies and how it is turned, checked on the picture itself.
+    /// Hypotheses of where an exemplar lies and how it is turned, each verified on the picture's gradients.
     Placement,
     /// A§4.5: each point votes for the exemplar of its nearest eigenpoint.
     Paper,
 }
 
-/// What is known of the camera's attitude.
+/// What is known of the camera's rotation about its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Viewpoint {
     /// Nothing: signatures don't change when the image is turned.
@@ -25,7 +28,7 @@ pub enum Viewpoint {
     Upright,
 }
 
-/// What draws attention.
+/// The interest operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// A§4.2: generalised symmetry.
@@ -36,7 +39,7 @@ pub enum Operator {
     Harris,
 }
 
-/// What signatures know of colour.
+/// The colour planes of signatures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
     /// Opponent if every exemplar is in colour, else gray.
@@ -52,7 +55,7 @@ pub enum Colour {
     Opponent,
 }
 
-/// How the W of a label's exemplars become the label's.
+/// How W of a label's exemplars combine to W of the label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PerLabel {
     /// That of its best exemplar.
@@ -66,11 +69,11 @@ pub enum PerLabel {
 pub struct LandmarkOptions {
     /// How matches become an answer.
     pub method: Method,
-    /// What is known of the camera's attitude.
+    /// What is known of the camera's rotation about its axis.
     pub viewpoint: Viewpoint,
-    /// What draws attention: the symmetry operator of A§4.2, unless told otherwise.
+    /// The interest operator: that of A§4.2 by default.
     pub operator: Operator,
-    /// Radius of the disc that the operator looks at, 2..=16 px. A§4.2 leaves it open; 6.
+    /// Radius of the operator's disc, 2..=16 px. A§4.2 leaves it open; 6.
     pub symmetry_radius_px: usize,
     /// Interest points of an exemplar, 1..=1024. The paper's experiments use 64.
     pub interest_points: usize,
@@ -86,19 +89,19 @@ pub struct LandmarkOptions {
     pub sectors: usize,
     /// A§4.4 tapers with a Gaussian before the transform: over the radius only, so that turns change nothing.
     pub taper: Taper,
-    /// What is made equal between sub-windows: mean and contrast.
+    /// Normalisation of sub-windows: of mean and contrast by default.
     pub normalise: Normalise,
-    /// What signatures know of colour.
+    /// The colour planes of signatures.
     pub colour: Colour,
     /// Coordinates of an eigenpoint, 1..=256. A§4.1 keeps the leading directions.
     pub dimension: usize,
-    /// Eigenpoints that a query point asks for, 1..=64; A§4.5 has the nearest one alone.
+    /// Nearest eigenpoints searched for each query window, 1..=64; A§4.5 has the nearest one alone.
     pub neighbours: usize,
     /// ε of the vote 1/(D + ε), 1e-9..=10 (A§4.5).
     pub epsilon: f64,
-    /// A window is believed to be seen within some such distance of where it was, 1..=1000 px; `None`: anywhere.
+    /// Width of the prior on the distance of a window from its trained position, 1..=1000 px; `None`: no prior.
     pub position_prior_px: Option<f64>,
-    /// How the W of a label's exemplars become the label's: A§4.5 counts per training image.
+    /// How W of a label's exemplars combine to W of the label: A§4.5 counts per training image.
     pub per_label: PerLabel,
 }
 
@@ -153,71 +156,8 @@ impl LandmarkOptions {
 
     /// Everything that is wrong with the options, all at once; empty if they can be used.
     pub fn faults(&self) -> Vec<OptionFault> {
-        let mut faults = Vec::new();
-        let mut whole = |option, value: usize, least: usize, most: usize| {
-            if !(least..=most).contains(&value) {
-                faults.push(OptionFault { option, message: format!("{value} is not in {least}..={most}") });
-            }
-        };
-        whole("symmetry_radius_px", self.symmetry_radius_px, 2, 16);
-        whole("interest_points", self.interest_points, 1, 1024);
-        whole("query_points", self.query_points, 1, 4096);
-        whole("rings", self.rings, 2, 64);
-        whole("sectors", self.sectors, 4, 128);
-        whole("dimension", self.dimension, 1, 256);
-        if self.method != Method::Paper {
-            whole("neighbours", self.neighbours, 1, 64);
-        }
-        let mut real = |option, value: f64, least: f64, most: f64| {
-            if !(least..=most).contains(&value) {
-                faults
-                    .push(OptionFault { option, message: format!("{value} is not in {least:?}..={most:?}") });
-            }
-        };
-        for &radius_px in &self.subwindow_radii_px {
-            real("subwindow_radius_px", radius_px, 2.0, 64.0);
-        }
-        real("epsilon", self.epsilon, 1e-9, 10.0);
-        if let Some(position_prior_px) = self.position_prior_px {
-            real("position_prior_px", position_prior_px, 1.0, 1000.0);
-        }
-        let mut fault = |option, message: String| faults.push(OptionFault { option, message });
-        let radii = &self.subwindow_radii_px;
-        if radii.is_empty() || radii.len() > 4 || radii.windows(2).any(|pair| pair[0] >= pair[1]) {
-            fault("subwindow_radius_px", "give one to four different radii, the smallest first".into());
-        }
-        if self.method == Method::Paper {
-            if self.viewpoint == Viewpoint::Upright {
-                fault(
-                    "viewpoint",
-                    "upright goes with the method placement: the paper's signatures turn".into(),
-                );
-            }
-            if self.neighbours != 1 {
-                let message = format!(
-                    "{} given; the paper's method asks for the nearest eigenpoint only: 1",
-                    self.neighbours
-                );
-                fault("neighbours", message);
-            }
-            if radii.len() > 1 {
-                fault("subwindow_radius_px", "the paper's method has sub-windows of one radius".into());
-            }
-        } else if self.taper == Taper::Literal {
-            fault(
-                "taper",
-                "literal goes with the method paper: placement needs signatures that turns leave".into(),
-            );
-        }
-        if self.method == Method::Placement && self.per_label == PerLabel::Sum {
-            fault("per_label", "sum goes with the method paper: an exemplar lies in one place".into());
-        }
-        if self.position_prior_px.is_some() && self.viewpoint == Viewpoint::Free {
-            fault(
-                "position_prior_px",
-                "a window keeps its position only where the viewpoint is upright".into(),
-            );
-        }
+        let mut faults = self.range_faults();
+        faults.extend(self.conflicts());
         let shape_is_sound = !faults.iter().any(|f| ["rings", "sectors", "dimension"].contains(&f.option));
         if shape_is_sound && self.dimension > self.signature_length() {
             let length = self.signature_length();
@@ -225,6 +165,73 @@ impl LandmarkOptions {
             faults.push(OptionFault { option: "dimension", message });
         }
         faults
+    }
+
+    /// The numbers that are out of their range.
+    fn range_faults(&self) -> Vec<OptionFault> {
+        // the paper's method has a rule of its own for neighbours
+        let neighbours = Some(self.neighbours).filter(|_| self.method != Method::Paper);
+        let whole = [
+            out_of_range("symmetry_radius_px", self.symmetry_radius_px, 2..=16),
+            out_of_range("interest_points", self.interest_points, 1..=1024),
+            out_of_range("query_points", self.query_points, 1..=4096),
+            out_of_range("rings", self.rings, 2..=64),
+            out_of_range("sectors", self.sectors, 4..=128),
+            out_of_range("dimension", self.dimension, 1..=256),
+            neighbours.and_then(|neighbours| out_of_range("neighbours", neighbours, 1..=64)),
+        ];
+        let radii_px = self.subwindow_radii_px.iter();
+        let radii = radii_px.map(|&radius_px| out_of_range("subwindow_radius_px", radius_px, 2.0..=64.0));
+        let real = [
+            out_of_range("epsilon", self.epsilon, 1e-9..=10.0),
+            self.position_prior_px
+                .and_then(|prior_px| out_of_range("position_prior_px", prior_px, 1.0..=1000.0)),
+        ];
+        whole.into_iter().chain(radii).chain(real).flatten().collect()
+    }
+
+    /// The options that contradict each other.
+    fn conflicts(&self) -> Vec<OptionFault> {
+        let paper = self.method == Method::Paper;
+        let radii = &self.subwindow_radii_px;
+        let descending = radii.windows(2).any(|pair| pair[0] >= pair[1]);
+        let neighbours =
+            format!("{} given; the paper's method asks for the nearest eigenpoint only: 1", self.neighbours);
+        let rules = [
+            (
+                !(1..=4).contains(&radii.len()) || descending,
+                "subwindow_radius_px",
+                "give one to four different radii, the smallest first",
+            ),
+            (
+                paper && self.viewpoint == Viewpoint::Upright,
+                "viewpoint",
+                "upright goes with the method placement: the paper's signatures turn",
+            ),
+            (paper && self.neighbours != 1, "neighbours", neighbours.as_str()),
+            (
+                paper && radii.len() > 1,
+                "subwindow_radius_px",
+                "the paper's method has sub-windows of one radius",
+            ),
+            (
+                !paper && self.taper == Taper::Literal,
+                "taper",
+                "literal goes with the method paper: placement needs signatures that turns leave",
+            ),
+            (
+                !paper && self.per_label == PerLabel::Sum,
+                "per_label",
+                "sum goes with the method paper: an exemplar lies in one place",
+            ),
+            (
+                self.position_prior_px.is_some() && self.viewpoint == Viewpoint::Free,
+                "position_prior_px",
+                "a window keeps its position only where the viewpoint is upright",
+            ),
+        ];
+        let broken = rules.into_iter().filter(|(broken, ..)| *broken);
+        broken.map(|(_, option, message)| OptionFault { option, message: message.into() }).collect()
     }
 
     /// Components of a signature: rings × (sectors/2 + 1) with the paper's method, rings × 12 with placement,
@@ -248,20 +255,28 @@ impl LandmarkOptions {
         2 * OpponentPlan::new(self.rings, self.sectors).length()
     }
 
-    /// These options with `Auto` settled.
-    pub(super) fn with_colour_if_auto(&self, colour: bool) -> LandmarkOptions {
+    /// These options with [`Colour::Auto`] resolved: opponent if there is `colour`, else gray.
+    pub(super) fn with_colour(&self, colour: bool) -> LandmarkOptions {
         let colour = match (self.colour, colour) {
             (Colour::Auto, true) => Colour::Opponent,
             (Colour::Auto, false) => Colour::Gray,
-            (settled, _) => settled,
+            (given, _) => given,
         };
         LandmarkOptions { colour, ..self.clone() }
     }
 
-    /// Whether matches say where an exemplar lies.
-    pub(super) fn places(&self) -> bool {
+    /// Whether recognition verifies where exemplars lie. Otherwise windows only vote.
+    pub(super) fn verifies_placements(&self) -> bool {
         (self.method, self.viewpoint) == (Method::Placement, Viewpoint::Free)
     }
+}
+
+fn out_of_range<T: PartialOrd + Display + Debug>(
+    option: &'static str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Option<OptionFault> {
+    (!range.contains(&value)).then(|| OptionFault { option, message: format!("{value} is not in {range:?}") })
 }
 
 #[cfg(test)]
@@ -302,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_is_told_at_once() {
+    fn every_fault_is_reported_at_once() {
         let options = LandmarkOptions {
             symmetry_radius_px: 1,
             interest_points: 0,

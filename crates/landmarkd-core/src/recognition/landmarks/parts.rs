@@ -5,26 +5,26 @@
 use thiserror::Error;
 
 use super::confidence::Confidence;
-use super::contour::ContourPoint;
 use super::description::{Describer, Window};
-use super::model::{Exemplar, Landmarks, Owned};
+use super::edge_template::EdgePoint;
+use super::model::{Exemplar, Landmarks, TrainedWindow};
 use super::options::{Colour, LandmarkOptions};
-use super::prior::{coordinates, with_places, without_places};
+use super::position_prior::{row_length, with_positions, without_positions};
 use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
 use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
 use crate::vision::theta_spectrum::FREQUENCIES;
 
-/// No number of a trained database is larger: signatures have lengths about 1, and pictures fewer pixels
-/// a side. Squares and sums of such numbers stay finite.
+/// Bound of every number of a trained database: signatures have lengths about 1, and pictures fewer pixels a side.
+/// Squares and sums of such numbers stay finite.
 const LARGEST: f32 = 1e6;
-/// No exemplar has more contour points.
-const LONGEST_CONTOUR: usize = 4096;
+/// Edge points of an exemplar at most.
+const MOST_EDGES: usize = 4096;
 
-/// All that a trained landmark database is made of.
+/// A trained landmark database as plain vectors. n is the number of eigenpoints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkParts {
-    /// With the colour that is used, never `Auto`.
+    /// The colour is resolved, never `Auto`.
     pub options: LandmarkOptions,
     /// Sorted by label, then id.
     pub exemplars: Vec<Exemplar>,
@@ -40,11 +40,11 @@ pub struct LandmarkParts {
     pub eigenpoints: Vec<f32>,
     /// n × 3: x, y, salience of the interest point of each eigenpoint.
     pub points: Vec<f32>,
-    /// n: which of the options' radii the window of each eigenpoint has.
+    /// n: index into the options' radii of the window of each eigenpoint.
     pub radius: Vec<u8>,
-    /// n × rings × 24 if the options ask for spectra, else none.
+    /// n × rings × 24 if the options ask for spectra, else empty.
     pub spectra: Vec<i8>,
-    /// How sure answers are, if that was rehearsed.
+    /// `None` before calibration.
     pub confidence: Option<Confidence>,
     /// n: index of the exemplar of each eigenpoint, ascending.
     pub owner: Vec<u32>,
@@ -53,190 +53,214 @@ pub struct LandmarkParts {
 /// What is wrong with the parts of a landmark database.
 #[derive(Debug, Error, PartialEq)]
 pub enum PartsError {
+    /// The options are out of range or contradict each other: all that is wrong with them.
     #[error("the options can't be used")]
-    Options { faults: Vec<OptionFault> },
+    Options(Vec<OptionFault>),
+    /// The colour is `Auto`.
     #[error("the colour of a trained database is gray or opponent, not auto")]
     ColourUnresolved,
+    /// A vector has the wrong length.
     #[error("{part} has {found} values where {expected} belong")]
-    Length { part: &'static str, expected: usize, found: usize },
-    #[error("{part} has no values")]
-    Empty { part: &'static str },
-    #[error("{part} holds a number that is not finite, or too large")]
-    Number { part: &'static str },
-    #[error("{part} are not in their order, or not different")]
-    Order { part: &'static str },
+    Length {
+        /// Name of the vector.
+        part: &'static str,
+        /// Length that the options and the other vectors give.
+        expected: usize,
+        /// Its length.
+        found: usize,
+    },
+    /// The vector of this name is empty.
+    #[error("{0} has no values")]
+    Empty(&'static str),
+    /// A number of the vector of this name is out of range, infinite or NaN.
+    #[error("{0} holds a number that is not finite, or too large")]
+    Number(&'static str),
+    /// The vector of this name isn't sorted, or has equal values where they must differ.
+    #[error("{0} are not in their order, or not different")]
+    Order(&'static str),
+    /// The basis isn't orthonormal.
     #[error("the eigenspace is none")]
-    Eigenspace { source: EigenError },
-    #[error("the interest points of exemplar {exemplar} are not as many as it says")]
-    Count { exemplar: usize },
+    Eigenspace(#[source] EigenError),
+    /// The exemplar of this index has another number of eigenpoints than it says.
+    #[error("the interest points of exemplar {0} are not as many as it says")]
+    Count(usize),
 }
 
-impl Landmarks {
-    /// Copy the database into plain vectors.
-    pub fn to_parts(&self) -> LandmarkParts {
+impl From<&Landmarks> for LandmarkParts {
+    fn from(model: &Landmarks) -> LandmarkParts {
+        let eigenspace = model.eigenspace.clone();
+        let prior = model.options.position_prior_px;
         LandmarkParts {
-            options: self.options.clone(),
-            exemplars: self.exemplars.clone(),
-            mean: self.eigenspace.mean.clone(),
-            basis: self.eigenspace.basis.clone(),
-            eigenvalues: self.eigenspace.eigenvalues.clone(),
-            total_variance: self.eigenspace.total_variance,
-            eigenpoints: without_places(
-                self.index.points(),
-                self.dimension(),
-                self.options.position_prior_px,
-            ),
-            points: self.owned.iter().flat_map(|o| point(&o.window.point)).collect(),
-            radius: self.owned.iter().map(|o| o.window.radius).collect(),
-            spectra: self.spectra.clone(),
-            confidence: self.confidence,
-            owner: self.owned.iter().map(|o| o.exemplar).collect(),
+            options: model.options.clone(),
+            exemplars: model.exemplars.clone(),
+            mean: eigenspace.mean,
+            basis: eigenspace.basis,
+            eigenvalues: eigenspace.eigenvalues,
+            total_variance: eigenspace.total_variance,
+            eigenpoints: without_positions(model.index.points(), model.dimension(), prior),
+            points: model.windows.iter().flat_map(|trained| coordinates(&trained.window.point)).collect(),
+            radius: model.windows.iter().map(|trained| trained.window.radius).collect(),
+            spectra: model.spectra.clone(),
+            confidence: model.confidence,
+            owner: model.windows.iter().map(|trained| trained.exemplar).collect(),
         }
     }
+}
 
-    /// Rebuild a database from plain vectors that may hold anything.
-    pub fn from_parts(parts: LandmarkParts) -> Result<Landmarks, PartsError> {
-        parts.check()?;
-        let LandmarkParts { options, exemplars, mean, basis, eigenvalues, total_variance, .. } = parts;
+impl TryFrom<LandmarkParts> for Landmarks {
+    type Error = PartsError;
+
+    /// Rebuilds a database from plain vectors that may hold anything.
+    fn try_from(parts: LandmarkParts) -> Result<Landmarks, PartsError> {
+        parts.check_options()?;
+        parts.check_lengths()?;
+        parts.check_numbers()?;
+        parts.check_exemplars()?;
+        parts.check_owners()?;
+        let model = parts.assemble();
+        model.eigenspace.check_basis().map_err(PartsError::Eigenspace)?;
+        Ok(model)
+    }
+}
+
+/// x, y and salience.
+pub(super) fn coordinates(point: &InterestPoint) -> [f32; 3] {
+    [point.x_px, point.y_px, point.salience]
+}
+
+impl LandmarkParts {
+    /// The database of parts that are sound.
+    pub(super) fn assemble(self) -> Landmarks {
+        let LandmarkParts { options, exemplars, mean, basis, eigenvalues, total_variance, .. } = self;
         let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
-        eigenspace.check_basis().map_err(|source| PartsError::Eigenspace { source })?;
-        let dimension = eigenspace.dimension();
-        let rows = parts.points.chunks_exact(3).zip(parts.radius).zip(&parts.owner);
-        let owned = rows.map(|((p, radius), &exemplar)| {
-            let point = InterestPoint { x_px: p[0], y_px: p[1], salience: p[2] };
-            Owned { window: Window { point, radius }, exemplar }
+        let rows = self.points.as_chunks().0.iter().zip(self.radius).zip(self.owner);
+        let windows = rows.map(|((&[x_px, y_px, salience], radius), exemplar)| TrainedWindow {
+            window: Window { point: InterestPoint { x_px, y_px, salience }, radius },
+            exemplar,
         });
-        let owned: Vec<Owned> = owned.collect();
-        let (prior, windows) = (options.position_prior_px, owned.iter().map(|owned| owned.window));
-        let rows = with_places(parts.eigenpoints, dimension, windows, prior);
+        let windows: Vec<TrainedWindow> = windows.collect();
+        let (dimension, prior) = (eigenspace.dimension(), options.position_prior_px);
+        let positions = windows.iter().map(|trained| trained.window);
+        let eigenpoints = with_positions(self.eigenpoints, dimension, positions, prior);
         let describer = Describer::new(&options);
-        Ok(Landmarks {
-            spectrum_lengths: spectrum_lengths(&parts.spectra, &describer),
+        Landmarks {
+            spectrum_lengths: spectrum_lengths(&self.spectra, &describer),
             describer,
             options,
             exemplars,
             eigenspace,
-            index: EigenpointIndex::new(rows, coordinates(dimension, prior)),
-            owned,
-            spectra: parts.spectra,
-            confidence: parts.confidence,
-        })
+            index: EigenpointIndex::new(eigenpoints, row_length(dimension, prior)),
+            windows,
+            spectra: self.spectra,
+            confidence: self.confidence,
+        }
     }
-}
 
-fn point(point: &InterestPoint) -> [f32; 3] {
-    [point.x_px, point.y_px, point.salience]
-}
-
-/// The length of every kept spectrum.
-pub(super) fn spectrum_lengths(spectra: &[i8], describer: &Describer) -> Vec<f32> {
-    let Some(plan) = describer.turns() else { return Vec::new() };
-    let length = |row: &[i8]| row.iter().map(|&v| f32::from(v).powi(2)).sum::<f32>().sqrt();
-    spectra.chunks_exact(plan.length()).map(length).collect()
-}
-
-impl LandmarkParts {
-    fn check(&self) -> Result<(), PartsError> {
+    fn check_options(&self) -> Result<(), PartsError> {
         let faults = self.options.faults();
         if !faults.is_empty() {
-            return Err(PartsError::Options { faults });
+            return Err(PartsError::Options(faults));
         }
         if self.options.colour == Colour::Auto {
             return Err(PartsError::ColourUnresolved);
         }
-
-        let (dimension, points) = (self.eigenvalues.len(), self.owner.len());
-        let signature_length = self.options.signature_length();
-        for (part, found) in
-            [("exemplars", self.exemplars.len()), ("eigenvalues", dimension), ("owner", points)]
-        {
-            if found == 0 {
-                return Err(PartsError::Empty { part });
-            }
-        }
-        let length = |part, expected: usize, found: usize| match expected == found {
-            true => Ok(()),
-            false => Err(PartsError::Length { part, expected, found }),
-        };
-        length("eigenvalues", dimension.min(self.options.dimension), dimension)?;
-        length("mean", signature_length, self.mean.len())?;
-        length("basis", dimension * signature_length, self.basis.len())?;
-        length("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len())?;
-        length("points", points.saturating_mul(3), self.points.len())?;
-        length("radius", points, self.radius.len())?;
-        let spectrum = if self.options.places() { self.options.rings * 2 * FREQUENCIES } else { 0 };
-        length("spectra", points.saturating_mul(spectrum), self.spectra.len())?;
-        if !self.radius.iter().all(|&radius| usize::from(radius) < self.options.subwindow_radii_px.len()) {
-            return Err(PartsError::Number { part: "radius" });
-        }
-        let contours = self.exemplars.iter().flat_map(|e| &e.contour);
-        let within = |p: &ContourPoint| {
-            [p.x_px, p.y_px, p.gradient_x, p.gradient_y].iter().all(|v| v.abs() <= LARGEST)
-        };
-        if !contours.into_iter().all(within) {
-            return Err(PartsError::Number { part: "contours" });
-        }
-        if let Some(confidence) = &self.confidence {
-            let sound = |v: &f64| v.abs() <= f64::from(LARGEST);
-            let weights = confidence.weights.iter().all(|v| *v >= 0.0 && sound(v));
-            if !weights || !sound(&confidence.bias) || !(0.0..=1.0).contains(&confidence.threshold) {
-                return Err(PartsError::Number { part: "confidence" });
-            }
-        }
-
-        let vectors: [(&'static str, &[f32]); 4] = [
-            ("mean", &self.mean),
-            ("basis", &self.basis),
-            ("eigenpoints", &self.eigenpoints),
-            ("points", &self.points),
-        ];
-        for (part, values) in vectors {
-            if !values.iter().all(|v| v.abs() <= LARGEST) {
-                return Err(PartsError::Number { part });
-            }
-        }
-        let variance = |v: &f64| (0.0..=f64::from(LARGEST)).contains(v);
-        if !self.eigenvalues.iter().all(variance) {
-            return Err(PartsError::Number { part: "eigenvalues" });
-        }
-        if !variance(&self.total_variance) {
-            return Err(PartsError::Number { part: "total_variance" });
-        }
-
-        if !self.eigenvalues.is_sorted_by(|a, b| a >= b) {
-            return Err(PartsError::Order { part: "eigenvalues" });
-        }
-        if !self.exemplars.is_sorted_by(|a, b| (&a.label, &a.id) < (&b.label, &b.id)) {
-            return Err(PartsError::Order { part: "exemplars" });
-        }
-        let mut ids: Vec<&str> = self.exemplars.iter().map(|e| e.id.as_str()).collect();
-        ids.sort_unstable();
-        if ids.windows(2).any(|pair| pair[0] == pair[1]) {
-            return Err(PartsError::Order { part: "exemplars" });
-        }
-        let pictured = |e: &Exemplar| {
-            [e.width_px, e.height_px].iter().all(|side| *side as f32 <= LARGEST)
-                && e.contour.len() <= LONGEST_CONTOUR
-        };
-        if !self.exemplars.iter().all(pictured) {
-            return Err(PartsError::Number { part: "exemplars" });
-        }
-        if !self.owner.is_sorted() {
-            return Err(PartsError::Order { part: "owner" });
-        }
-        let mut left = &self.owner[..];
-        for (exemplar, e) in self.exemplars.iter().enumerate() {
-            let own = left.partition_point(|&owner| owner as usize <= exemplar);
-            if own != e.windows {
-                return Err(PartsError::Count { exemplar });
-            }
-            left = &left[own..];
-        }
-        if !left.is_empty() {
-            return Err(PartsError::Count { exemplar: self.exemplars.len() });
-        }
         Ok(())
     }
+
+    fn check_lengths(&self) -> Result<(), PartsError> {
+        let (exemplars, dimension, points) = (self.exemplars.len(), self.eigenvalues.len(), self.owner.len());
+        for (part, found) in [("exemplars", exemplars), ("eigenvalues", dimension), ("owner", points)] {
+            if found == 0 {
+                return Err(PartsError::Empty(part));
+            }
+        }
+        let signature = self.options.signature_length();
+        let spectrum =
+            if self.options.verifies_placements() { self.options.rings * 2 * FREQUENCIES } else { 0 };
+        let lengths = [
+            ("eigenvalues", dimension.min(self.options.dimension), dimension),
+            ("mean", signature, self.mean.len()),
+            ("basis", dimension * signature, self.basis.len()),
+            ("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len()),
+            ("points", points.saturating_mul(3), self.points.len()),
+            ("radius", points, self.radius.len()),
+            ("spectra", points.saturating_mul(spectrum), self.spectra.len()),
+        ];
+        match lengths.into_iter().find(|(_, expected, found)| expected != found) {
+            Some((part, expected, found)) => Err(PartsError::Length { part, expected, found }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_numbers(&self) -> Result<(), PartsError> {
+        let radii = self.options.subwindow_radii_px.len();
+        let small = |values: &[f32]| values.iter().all(|v| v.abs() <= LARGEST);
+        let variance = |v: &f64| (0.0..=f64::from(LARGEST)).contains(v);
+        let edge = |p: &EdgePoint| small(&[p.x_px, p.y_px, p.gradient_x, p.gradient_y]);
+        let confidence = |c: &Confidence| {
+            c.weights.iter().all(variance)
+                && c.bias.abs() <= f64::from(LARGEST)
+                && (0.0..=1.0).contains(&c.threshold)
+        };
+        let sound = [
+            ("radius", self.radius.iter().all(|&radius| usize::from(radius) < radii)),
+            ("contours", self.exemplars.iter().flat_map(|e| &e.edges).all(edge)),
+            ("confidence", self.confidence.iter().all(confidence)),
+            ("mean", small(&self.mean)),
+            ("basis", small(&self.basis)),
+            ("eigenpoints", small(&self.eigenpoints)),
+            ("points", small(&self.points)),
+            ("eigenvalues", self.eigenvalues.iter().all(variance)),
+            ("total_variance", variance(&self.total_variance)),
+        ];
+        first_false(&sound).map_or(Ok(()), |part| Err(PartsError::Number(part)))
+    }
+
+    fn check_exemplars(&self) -> Result<(), PartsError> {
+        let mut ids: Vec<&str> = self.exemplars.iter().map(|e| e.id.as_str()).collect();
+        ids.sort_unstable();
+        let sorted = [
+            ("eigenvalues", self.eigenvalues.is_sorted_by(|a, b| a >= b)),
+            ("exemplars", self.exemplars.is_sorted_by(|a, b| a.sort_key() < b.sort_key())),
+            ("exemplars", ids.is_sorted_by(|a, b| a < b)),
+        ];
+        if let Some(part) = first_false(&sorted) {
+            return Err(PartsError::Order(part));
+        }
+        let small =
+            |e: &Exemplar| e.width_px.max(e.height_px) as f32 <= LARGEST && e.edges.len() <= MOST_EDGES;
+        match self.exemplars.iter().all(small) {
+            true => Ok(()),
+            false => Err(PartsError::Number("exemplars")),
+        }
+    }
+
+    /// Checks that owners ascend, and are of each exemplar as many as it has windows.
+    fn check_owners(&self) -> Result<(), PartsError> {
+        if !self.owner.is_sorted() {
+            return Err(PartsError::Order("owner"));
+        }
+        let mut rest = &self.owner[..];
+        for (exemplar, e) in self.exemplars.iter().enumerate() {
+            let own = rest.partition_point(|&owner| owner as usize <= exemplar);
+            if own != e.windows {
+                return Err(PartsError::Count(exemplar));
+            }
+            rest = &rest[own..];
+        }
+        if rest.is_empty() { Ok(()) } else { Err(PartsError::Count(self.exemplars.len())) }
+    }
+}
+
+fn first_false(checks: &[(&'static str, bool)]) -> Option<&'static str> {
+    checks.iter().find(|(_, sound)| !sound).map(|(part, _)| *part)
+}
+
+/// The norm of every kept spectrum.
+fn spectrum_lengths(spectra: &[i8], describer: &Describer) -> Vec<f32> {
+    let Some(plan) = describer.phase_plan() else { return Vec::new() };
+    let length = |row: &[i8]| row.iter().map(|&v| f32::from(v).powi(2)).sum::<f32>().sqrt();
+    spectra.chunks_exact(plan.length()).map(length).collect()
 }
 
 #[cfg(test)]
@@ -247,14 +271,14 @@ mod tests {
 
     fn parts() -> LandmarkParts {
         let options = LandmarkOptions { dimension: 8, ..paper() };
-        Landmarks::train(described(0..4, &options), &options).unwrap().0.to_parts()
+        LandmarkParts::from(&Landmarks::train(described(0..4, &options), &options).unwrap().0)
     }
 
     #[test]
     fn a_rebuilt_database_answers_the_same() {
         let parts = parts();
-        let rebuilt = Landmarks::from_parts(parts.clone()).unwrap();
-        assert_eq!(rebuilt.to_parts(), parts);
+        let rebuilt = Landmarks::try_from(parts.clone()).unwrap();
+        assert_eq!(LandmarkParts::from(&rebuilt), parts);
         let options = LandmarkOptions { dimension: 8, ..paper() };
         let (trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
         let frame = Frame::gray(toy(2, 96)).turned(70.0);
@@ -266,9 +290,9 @@ mod tests {
         let options = LandmarkOptions::default();
         let (mut trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
         trained.confidence = Some(Confidence { weights: [2.0, 5.0, 0.0, 1.0], bias: -8.0, threshold: 0.6 });
-        let parts = trained.to_parts();
-        let rebuilt = Landmarks::from_parts(parts.clone()).unwrap();
-        assert_eq!(rebuilt.to_parts(), parts);
+        let parts = LandmarkParts::from(&trained);
+        let rebuilt = Landmarks::try_from(parts.clone()).unwrap();
+        assert_eq!(LandmarkParts::from(&rebuilt), parts);
         assert_eq!(rebuilt.bytes(), trained.bytes());
         let frame = Frame::gray(toy(2, 96)).turned(70.0);
         assert_eq!(rebuilt.recognise(&frame, |_| ()), trained.recognise(&frame, |_| ()));
@@ -277,7 +301,7 @@ mod tests {
             |p| p.spectra.clear(),
             |p| p.radius[0] = 2,
             |p| p.radius.truncate(p.radius.len() - 1),
-            |p| p.exemplars[1].contour[0].x_px = f32::NAN,
+            |p| p.exemplars[1].edges[0].x_px = f32::NAN,
             |p| p.confidence.as_mut().unwrap().weights[1] = -1.0,
             |p| p.confidence.as_mut().unwrap().bias = f64::NAN,
             |p| p.confidence.as_mut().unwrap().threshold = 1.5,
@@ -285,7 +309,7 @@ mod tests {
         for (number, damage) in damages.into_iter().enumerate() {
             let mut parts = parts.clone();
             damage(&mut parts);
-            assert!(Landmarks::from_parts(parts).is_err(), "damage {number} went through");
+            assert!(Landmarks::try_from(parts).is_err(), "damage {number} went through");
         }
     }
 
@@ -323,7 +347,7 @@ mod tests {
         for (what, damage) in damages {
             let mut parts = parts();
             damage(&mut parts);
-            assert!(Landmarks::from_parts(parts).is_err(), "{what} went through");
+            assert!(Landmarks::try_from(parts).is_err(), "{what} went through");
         }
     }
 }

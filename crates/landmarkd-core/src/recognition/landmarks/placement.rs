@@ -1,6 +1,6 @@
 //! Where an exemplar lies in a frame: a similarity of the exemplar's picture onto the frame.
 
-/// A similarity: the exemplar's pixel at the offset d from its centre is seen at (x, y) + scale · R · d.
+/// A similarity: maps the offset d from the centre of the exemplar's picture to (x, y) + scale · R · d in the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Column of the centre of the exemplar's picture in the frame.
@@ -13,18 +13,18 @@ pub struct Placement {
     pub scale: f32,
 }
 
-/// An exemplar's point and where it is seen, and how much that counts.
+/// A point of an exemplar and its position in the frame, with a weight.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct PointPair {
     /// Offset from the exemplar's centre.
     pub exemplar: [f32; 2],
-    /// Place in the frame.
+    /// Position in the frame.
     pub frame: [f32; 2],
     pub weight: f32,
 }
 
 impl Placement {
-    /// Where the exemplar's pixel at an offset from its centre is seen.
+    /// The position in the frame of an offset from the exemplar's centre.
     pub fn apply(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation_rad.sin_cos();
         [self.x_px + self.scale * (cos * x - sin * y), self.y_px + self.scale * (sin * x + cos * y)]
@@ -36,9 +36,8 @@ impl Placement {
         [[-x, -y], [x, -y], [x, y], [-x, y]].map(|corner| self.apply(corner))
     }
 
-    /// The similarity nearest to weighted pairs by least squares; `None` if they are all in one place. With
-    /// `scale` given that is taken.
-    pub(super) fn fitted(pairs: &[Pair], scale: Option<f32>) -> Option<Placement> {
+    /// The weighted least-squares similarity of the pairs; `None` if their points coincide. A given `scale` is kept.
+    pub(super) fn fit(pairs: &[PointPair], scale: Option<f32>) -> Option<Placement> {
         let mut total = 0.0_f64;
         let (mut from, mut to) = ([0.0_f64; 2], [0.0_f64; 2]);
         for pair in pairs {
@@ -53,21 +52,21 @@ impl Placement {
             return None;
         }
         let (from, to) = (from.map(|v| v / total), to.map(|v| v / total));
-        let (mut along, mut across, mut spread) = (0.0, 0.0, 0.0);
+        let (mut along, mut across, mut variance) = (0.0, 0.0, 0.0);
         for pair in pairs {
             let weight = f64::from(pair.weight);
             let (x, y) = (f64::from(pair.exemplar[0]) - from[0], f64::from(pair.exemplar[1]) - from[1]);
             let (u, v) = (f64::from(pair.frame[0]) - to[0], f64::from(pair.frame[1]) - to[1]);
             along += weight * (x * u + y * v);
             across += weight * (x * v - y * u);
-            spread += weight * (x * x + y * y);
+            variance += weight * (x * x + y * y);
         }
         let length = (along * along + across * across).sqrt();
-        if spread <= 1e-9 || length <= 1e-9 {
+        if variance <= 1e-9 || length <= 1e-9 {
             return None;
         }
         let (cos, sin) = (along / length, across / length);
-        let scale = scale.map_or(length / spread, f64::from);
+        let scale = scale.map_or(length / variance, f64::from);
         Some(Placement {
             x_px: (to[0] - scale * (cos * from[0] - sin * from[1])) as f32,
             y_px: (to[1] - scale * (sin * from[0] + cos * from[1])) as f32,
@@ -85,14 +84,14 @@ mod tests {
     fn a_similarity_is_found_again_from_its_pairs() {
         let truth = Placement { x_px: 130.0, y_px: 70.0, rotation_rad: 2.4, scale: 1.3 };
         let corners = [[-20.0, -10.0], [15.0, -12.0], [3.0, 25.0], [40.0, 0.0]];
-        let pairs = corners.map(|exemplar| Pair { exemplar, frame: truth.apply(exemplar), weight: 0.3 });
+        let pairs = corners.map(|exemplar| PointPair { exemplar, frame: truth.apply(exemplar), weight: 0.3 });
         for scale in [None, Some(1.3)] {
-            let fit = Placement::fitted(&pairs, scale).unwrap();
+            let fit = Placement::fit(&pairs, scale).unwrap();
             assert!((fit.x_px - truth.x_px).abs() < 1e-3 && (fit.y_px - truth.y_px).abs() < 1e-3, "{fit:?}");
             assert!((fit.rotation_rad - 2.4).abs() < 1e-5 && (fit.scale - 1.3).abs() < 1e-5, "{fit:?}");
         }
-        assert_eq!(Placement::fitted(&[pairs[0], pairs[0]], None), None);
-        assert_eq!(Placement::fitted(&[], None), None);
+        assert_eq!(Placement::fit(&[pairs[0], pairs[0]], None), None);
+        assert_eq!(Placement::fit(&[], None), None);
     }
 
     #[test]

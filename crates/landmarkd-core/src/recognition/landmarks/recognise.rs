@@ -1,288 +1,139 @@
-//! Recognition of a frame by a trained database.
-//!
-//! Points are asked in batches, each as large as all before it together, until one more changes neither what is
-//! seen nor by how much (A§6 leaves open how many it takes). The paper's method asks all of them at once.
+//! Recognition of a frame by a trained database: the way from pixels to the answer.
 
-use super::confidence::Evidence;
-use super::consensus::{Match, hypotheses};
-use super::contour::Directions;
-use super::description::Seen;
-use super::model::{Exemplar, Landmarks};
-use super::opinion::{Opinion, placed};
-use super::options::{Colour, Method, Viewpoint};
-use super::prior::{coordinates, with_places};
-use super::recognition::{Decision, Instance, Recognition};
-use super::standing::{Standing, exact, in_one_place, laid};
+use super::consensus::hypotheses;
+use super::edge_template::GradientDirections;
+use super::model::Landmarks;
+use super::options::Colour;
+use super::query::{Query, StoppingState};
+use super::recognition::{Decision, Instance, Recognition, Stage};
+use super::search::EigenpointSubset;
+use super::verification::Ranking;
+use super::vote_result::VoteResult;
 use super::warning::{FEW_POINTS, Warning};
-use crate::eigen::{EigenpointIndex, Neighbour};
 use crate::imaging::Frame;
 
-/// The steps of a recognition, in their order; all but the first may come several times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// A§4.2: interest points.
-    Attention,
-    /// A§4.3–4.4: sub-windows and signatures.
-    Signature,
-    /// A§4.1, A§4.5: projection, and the nearest eigenpoints.
-    Search,
-    /// A§4.5: votes.
-    Vote,
-    /// Exemplars laid on the frame.
-    Verification,
-}
-
-/// Points of the first batch: so many, and so many for each square of [`BATCH_SIDE_PX`].
-const LEAST_BATCH: usize = 128;
-const BATCH_SIDE_PX: usize = 32;
-const BATCH_POINTS: usize = 2;
-/// The margin that no longer moves: it changed by no more than this.
-const STILL: f64 = 0.25;
 /// A rival with more than this part of the best one's W is close.
 const CLOSE: f64 = 0.8;
 
-/// What is left of a database when some exemplars are left out.
-pub(super) struct LeftOut {
-    /// `None` if nothing is left.
-    kept: Option<EigenpointIndex>,
-    /// Of each eigenpoint that is kept its row in the whole database.
-    rows: Vec<u32>,
-}
-
-/// What all windows so far say.
-enum Said<'a> {
-    /// Where exemplars lie, about, and what they were laid on.
-    Laid(Vec<Standing>, &'a Directions),
-    /// What windows count for.
-    Counted(Opinion),
-}
-
-/// What must stay as it is for more points not to matter.
-struct Glance {
-    best: Option<String>,
-    instances: usize,
-    /// How far the best label is ahead of the next: its part of W less the next one's.
-    margin: f64,
-}
-
-impl Glance {
-    fn still(&self, before: &Glance) -> bool {
-        self.best == before.best
-            && self.instances == before.instances
-            && (self.margin - before.margin).abs() <= STILL
+/// Recognises a frame by all eigenpoints of a database, or by a subset. Calls `finished` after each stage.
+pub(super) fn recognise(
+    model: &Landmarks,
+    subset: Option<&EigenpointSubset>,
+    frame: &Frame,
+    mut finished: impl FnMut(Stage),
+) -> Recognition {
+    let attention = model.describer.attend(frame); // A§4.2
+    let mut query = Query::new(model, subset, frame, &attention);
+    let verifies = model.options.verifies_placements();
+    let directions = verifies.then(|| GradientDirections::of(&attention.smoothed));
+    finished(Stage::Attention);
+    let result = match directions {
+        Some(directions) => verify_placements(&mut query, &directions, &mut finished),
+        None => count_votes(&mut query, &mut finished),
+    };
+    let decision = decision(model, &result);
+    let warnings = warnings(&query, frame, &result, decision.is_some());
+    Recognition {
+        decision,
+        points_found: attention.points.len(),
+        points_used: query.points(),
+        votes: result.votes,
+        instances: result.instances,
+        points: result.points,
+        exemplar_weights: result.exemplar_weights,
+        evidence: result.evidence,
+        warnings,
     }
 }
 
-impl Landmarks {
-    /// Recognise a frame. `finished` is told the end of each stage: the caller holds the clock.
-    ///
-    /// The decision is none where the chance that it is right is below the database's threshold. Without
-    /// rehearsals there is no such chance: then the best there is is named.
-    pub fn recognise(&self, frame: &Frame, finished: impl FnMut(Stage)) -> Recognition {
-        self.recognise_without(frame, None, finished).0
-    }
+/// Placements that the matches agree on, verified on the frame.
+fn verify_placements(
+    query: &mut Query<'_>,
+    directions: &GradientDirections,
+    finished: &mut impl FnMut(Stage),
+) -> VoteResult {
+    let model = query.model;
+    let ranking = loop {
+        query.add_batch(finished);
+        let hypotheses = hypotheses(&query.matches);
+        finished(Stage::Vote);
+        let ranking = Ranking::verify(hypotheses, &model.exemplars, directions);
+        finished(Stage::Verification);
+        let best = ranking.best_of_labels().into_iter();
+        let labels = best.map(|scored| (ranking.label(scored), scored.weight));
+        let instances = ranking.instances(model.confidence()).len();
+        if query.is_settled(StoppingState::new(labels, instances)) {
+            break ranking.refined(directions);
+        }
+    };
+    let result = VoteResult::of_placements(query, &ranking);
+    finished(Stage::Verification);
+    result
+}
 
-    /// The same without some exemplars; and the evidence for the best vote.
-    pub(super) fn recognise_without(
-        &self,
-        frame: &Frame,
-        left_out: Option<&LeftOut>,
-        mut finished: impl FnMut(Stage),
-    ) -> (Recognition, Evidence) {
-        let attention = self.describer.attend(frame); // A§4.2
-        let points_found = attention.points.len();
-        let mut look = self.describer.look(frame, &attention);
-        let directions = self.options.places().then(|| Directions::of(&attention.smoothed));
-        finished(Stage::Attention);
-
-        let radii = self.options.subwindow_radii_px.len();
-        let squares = (frame.width() / BATCH_SIDE_PX) * (frame.height() / BATCH_SIDE_PX);
-        let mut batch = match self.options.method {
-            Method::Paper => self.options.query_points,
-            Method::Placement => LEAST_BATCH.max(BATCH_POINTS * squares).min(self.options.query_points),
-        };
-        let (mut windows, mut neighbours, mut matches) = (Vec::new(), Vec::new(), Vec::new());
-        let mut before: Option<Glance> = None;
-        let said = loop {
-            let seen = self.describer.sign(&mut look, batch); // A§4.3, A§4.4
-            finished(Stage::Signature);
-            let found = self.nearest(&seen, left_out); // A§4.1, A§4.5
-            finished(Stage::Search);
-            let exhausted = seen.windows.len() < batch * radii;
-            self.add_matches(&seen, windows.len(), &found, &mut matches);
-            windows.extend(seen.windows);
-            neighbours.extend(found);
-            let said = match &directions {
-                Some(directions) => {
-                    matches.sort_by_key(|found: &Match| found.exemplar); // stable
-                    let hypotheses = hypotheses(&matches);
-                    finished(Stage::Vote);
-                    let standings = laid(hypotheses, &self.exemplars, directions);
-                    finished(Stage::Verification);
-                    Said::Laid(standings, directions)
-                }
-                None => {
-                    let opinion = self.counted(&windows, &neighbours);
-                    finished(Stage::Vote);
-                    Said::Counted(opinion)
-                }
-            };
-            let asked = windows.len() / radii;
-            batch = asked.min(self.options.query_points.saturating_sub(asked));
-            let glance = self.glance(&said);
-            if exhausted || batch == 0 || before.is_some_and(|before| glance.still(&before)) {
-                break said;
-            }
-            before = Some(glance);
-        };
-        let opinion = match said {
-            Said::Laid(standings, directions) => {
-                let standings = exact(standings, &self.exemplars, directions);
-                let opinion = self.placed(&windows, &neighbours, &matches, standings);
-                finished(Stage::Verification);
-                opinion
-            }
-            Said::Counted(opinion) => opinion,
-        };
-        let points_used = windows.len() / radii;
-        let instances = self.instances(&opinion.standings);
-        let decision = self.decision(&opinion, &instances);
-        let warnings = self.doubts(frame, points_used, &opinion, decision.is_some());
-        let recognition = Recognition {
-            decision,
-            points_found,
-            points_used,
-            instances,
-            votes: opinion.votes,
-            points: opinion.points,
-            exemplar_weights: opinion.exemplar_weights,
-            warnings,
-        };
-        (recognition, opinion.evidence)
-    }
-
-    fn glance(&self, said: &Said<'_>) -> Glance {
-        let (instances, weights): (_, Vec<(&str, f64)>) = match said {
-            Said::Laid(standings, _) => {
-                let best = self.best_of_labels(standings);
-                let weights = best.iter().map(|standing| (self.label(standing), standing.weight));
-                (self.instances(standings).len(), weights.collect())
-            }
-            Said::Counted(opinion) => {
-                (0, opinion.votes.iter().map(|vote| (&vote.label[..], vote.weight)).collect())
-            }
-        };
-        let all: f64 = weights.iter().map(|(_, weight)| weight).sum();
-        let margin = match &weights[..] {
-            [] => 0.0,
-            [(_, only)] => only / all,
-            [(_, first), (_, second), ..] => (first - second) / all,
-        };
-        Glance { best: weights.first().map(|(label, _)| (*label).to_owned()), instances, margin }
-    }
-
-    /// The nearest eigenpoints of every window, rows of equal length.
-    fn nearest(&self, seen: &Seen, left_out: Option<&LeftOut>) -> Vec<Neighbour> {
-        let projected = with_places(
-            self.eigenspace.project(&seen.signatures),
-            self.dimension(),
-            seen.windows.iter().copied(),
-            self.options.position_prior_px,
-        );
-        match left_out {
-            Some(LeftOut { kept: None, .. }) => Vec::new(),
-            Some(LeftOut { kept: Some(index), rows }) => {
-                let found = index.nearest_several(&projected, self.wanted().min(index.count()));
-                found.into_iter().map(|n| Neighbour { index: rows[n.index] as usize, ..n }).collect()
-            }
-            None if self.wanted() == 1 => self.index.nearest(&projected),
-            None => self.index.nearest_several(&projected, self.wanted()),
+/// Votes of the windows alone.
+fn count_votes(query: &mut Query<'_>, finished: &mut impl FnMut(Stage)) -> VoteResult {
+    loop {
+        query.add_batch(finished);
+        let result = VoteResult::of_windows(query);
+        finished(Stage::Vote);
+        let labels = result.votes.iter().map(|vote| (&vote.label[..], vote.weight));
+        if query.is_settled(StoppingState::new(labels, 0)) {
+            return result;
         }
     }
+}
 
-    /// The database without some of its exemplars.
-    pub(super) fn leaving_out(&self, left_out: impl Fn(&Exemplar) -> bool) -> LeftOut {
-        let marks: Vec<bool> = self.exemplars.iter().map(left_out).collect();
-        let kept = self.owned.iter().enumerate().filter(|(_, owned)| !marks[owned.exemplar as usize]);
-        let rows: Vec<u32> = kept.map(|(row, _)| row as u32).collect();
-        let width = coordinates(self.dimension(), self.options.position_prior_px);
-        let all = self.index.points();
-        let points: Vec<f32> =
-            rows.iter().flat_map(|&row| &all[row as usize * width..][..width]).copied().collect();
-        LeftOut { kept: (!points.is_empty()).then(|| EigenpointIndex::new(points, width)), rows }
+/// The most confident instance, or where the method verifies no placements the best vote.
+fn decision(model: &Landmarks, result: &VoteResult) -> Option<Decision> {
+    let label = result.votes.first()?.label.clone();
+    let Some(confidence) = &model.confidence else {
+        return Some(Decision { label, confidence: None });
+    };
+    if model.options.verifies_placements() {
+        let Instance { label, confidence, .. } = result.instances.first()?;
+        return Some(Decision { label: label.clone(), confidence: Some(*confidence) });
     }
+    let probability = confidence.of(&result.evidence);
+    (probability >= confidence.threshold).then_some(Decision { label, confidence: Some(probability) })
+}
 
-    /// Eigenpoints asked for by each window: with local naive Bayes one more stands for the background.
-    fn wanted(&self) -> usize {
-        let beyond = usize::from(self.options.viewpoint == Viewpoint::Upright);
-        (self.options.neighbours + beyond).min(self.index.count())
-    }
-
-    /// The standings that are sure enough, each the best in its place.
-    fn instances(&self, standings: &[Standing]) -> Vec<Instance> {
-        let Some(confidence) = &self.confidence else { return Vec::new() };
-        let mut taken: Vec<&Standing> = Vec::new();
-        let mut instances = Vec::new();
-        for standing in standings {
-            if taken.iter().any(|other| in_one_place(other, standing, &self.exemplars)) {
-                continue;
-            }
-            taken.push(standing);
-            let sure = confidence.of(&self.evidence(standing, standings));
-            if sure >= confidence.threshold {
-                let label = self.label(standing).to_owned();
-                instances.push(Instance { label, confidence: sure, placed: placed(standing) });
+fn warnings(query: &Query<'_>, frame: &Frame, result: &VoteResult, decided: bool) -> Vec<Warning> {
+    let options = &query.model.options;
+    let mut warnings = Vec::new();
+    match query.points() {
+        0 => warnings.push(Warning::NoInterestPoints),
+        used if used < options.query_points.min(FEW_POINTS) => {
+            warnings.push(Warning::TooFewPoints { found: used });
+        }
+        used => {
+            let windows = result.votes.first().map_or(0, |vote| vote.points);
+            let voted = windows / options.subwindow_radii_px.len();
+            if !decided && 2 * voted < used {
+                warnings.push(Warning::VotesOnBackground { voted, used });
             }
         }
-        instances.sort_by(|a, b| b.confidence.total_cmp(&a.confidence)); // stable
-        instances
     }
-
-    /// What the frame shows: the surest of the placed exemplars, or where nothing is placed the best vote.
-    fn decision(&self, opinion: &Opinion, instances: &[Instance]) -> Option<Decision> {
-        let best = opinion.votes.first()?;
-        let Some(confidence) = &self.confidence else {
-            return Some(Decision { label: best.label.clone(), confidence: None });
-        };
-        if self.options.places() {
-            let Instance { label, confidence, .. } = instances.first()?;
-            return Some(Decision { label: label.clone(), confidence: Some(*confidence) });
-        }
-        let sure = confidence.of(&opinion.evidence);
-        (sure >= confidence.threshold).then(|| Decision { label: best.label.clone(), confidence: Some(sure) })
+    if result.rival.is_some_and(|rival| rival > CLOSE) {
+        warnings.push(Warning::CloseSecond);
     }
-
-    fn doubts(&self, frame: &Frame, points_used: usize, opinion: &Opinion, decided: bool) -> Vec<Warning> {
-        let mut warnings = Vec::new();
-        match points_used {
-            0 => warnings.push(Warning::NoInterestPoints),
-            used if used < self.options.query_points.min(FEW_POINTS) => {
-                warnings.push(Warning::TooFewPoints { found: used });
-            }
-            used => {
-                let radii = self.options.subwindow_radii_px.len();
-                let voted = opinion.votes.first().map_or(0, |vote| vote.points / radii);
-                if !decided && 2 * voted < used {
-                    warnings.push(Warning::VotesOnBackground { voted, used });
-                }
-            }
-        }
-        if opinion.rival.is_some_and(|rival| rival > CLOSE) {
-            warnings.push(Warning::CloseSecond);
-        }
-        if self.options.colour == Colour::Opponent && !frame.is_colour() {
-            warnings.push(Warning::GrayFrame);
-        }
-        warnings
+    if options.colour == Colour::Opponent && !frame.is_colour() {
+        warnings.push(Warning::GrayFrame);
     }
+    warnings
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::confidence::EVIDENCE;
+    use super::super::Exemplar;
+    use super::super::confidence::Evidence;
     use super::super::pictures::{described, name, paper, toy};
-    use super::super::{LandmarkOptions, PerLabel, Placed, Taper, describe, rehearsals};
+    use super::super::{
+        CalibrationPlan, CalibrationSample, LandmarkOptions, LandmarkParts, Method, PerLabel, Taper,
+        VerifiedPlacement, Viewpoint, calibration_samples, describe, synthetic_views,
+    };
     use super::*;
+    use crate::angle::angular_distance_rad;
     use crate::imaging::Image;
 
     fn trained(options: &LandmarkOptions) -> Landmarks {
@@ -402,7 +253,7 @@ mod tests {
         for (per_label, both) in [(PerLabel::Best, false), (PerLabel::Sum, true)] {
             let options = LandmarkOptions { per_label, ..paper() };
             let mut exemplars = described(0..3, &options);
-            exemplars[1].name.label = "toy0".to_owned();
+            exemplars[1].exemplar.label = "toy0".to_owned();
             let (model, _) = Landmarks::train(exemplars, &options).unwrap();
             assert_eq!(model.labels(), ["toy0", "toy2"]);
             let (left, right) = (toy(0, 96), toy(1, 96));
@@ -441,20 +292,21 @@ mod tests {
         Frame::gray(frame)
     }
 
-    /// Ten toys that know how sure they are.
+    /// Samples of toys that are named by their seeds.
+    fn samples(model: &Landmarks) -> Vec<CalibrationSample> {
+        let plan = CalibrationPlan::of(model);
+        let of = |round: u64, index: usize| {
+            let name = model.exemplars()[index].name();
+            let picture = Frame::gray(toy(name.label["toy".len()..].parse().unwrap(), 96));
+            calibration_samples(model, &name, &synthetic_views(&name, &picture, round, model.options()))
+        };
+        (0..plan.rounds).flat_map(|round| plan.exemplars.iter().flat_map(move |&i| of(round, i))).collect()
+    }
+
+    /// Ten toys with calibrated confidence.
     fn calibrated(options: &LandmarkOptions) -> Landmarks {
         let mut model = trained(options);
-        let (chosen, rounds) = model.rehearsed_exemplars();
-        let mut rehearsed = Vec::new();
-        for round in 0..rounds {
-            for &index in &chosen {
-                let Exemplar { id, label, .. } = &model.exemplars()[index];
-                let picture = Frame::gray(toy(label["toy".len()..].parse().unwrap(), 96));
-                let name = name(id, label);
-                rehearsed.extend(model.rehearse(&name, &rehearsals(&name, &picture, round, options)));
-            }
-        }
-        let reliability = model.calibrate(&rehearsed).expect("enough rehearsals");
+        let reliability = model.calibrate(&samples(&model)).expect("enough samples");
         assert!(reliability.unknown_refused > 0.9 && reliability.known_misnamed < 0.05, "{reliability:?}");
         model
     }
@@ -485,14 +337,9 @@ mod tests {
     fn a_database_of_one_label_knows_what_it_does_not_know() {
         let options = LandmarkOptions::default();
         let (mut model, _) = Landmarks::train(described(3..4, &options), &options).unwrap();
-        let (_, rounds) = model.rehearsed_exemplars();
-        let name = name("toy3", "toy3");
-        let picture = Frame::gray(toy(3, 96));
-        let rehearsed = (0..rounds)
-            .flat_map(|round| model.rehearse(&name, &rehearsals(&name, &picture, round, &options)));
-        let rehearsed: Vec<_> = rehearsed.collect();
-        assert!(rehearsed.iter().any(|r| !r.known && r.evidence != [0.0; EVIDENCE]));
-        model.calibrate(&rehearsed).expect("enough rehearsals");
+        let samples = samples(&model);
+        assert!(samples.iter().any(|sample| !sample.known && sample.evidence != Evidence::None));
+        model.calibrate(&samples).expect("enough samples");
         assert_eq!(model.recognise(&table(&[], 1.0), |_| ()).decision, None);
         let known = model.recognise(&table(&[(3, 150.0, 110.0, 30.0)], 1.0), |_| ());
         assert_eq!(known.decision.expect("the thing").label, "toy3");
@@ -510,11 +357,11 @@ mod tests {
             let recognition = model.recognise(&table(&[(seed, x_px, y_px, degrees)], scale), |_| ());
             let best = &recognition.votes[0];
             assert_eq!(best.label, format!("toy{seed}"));
-            let Placed { placement, exemplar, inliers, agreement } = best.placement.unwrap();
+            let VerifiedPlacement { placement, exemplar, inliers, agreement } = best.placement.unwrap();
             assert_eq!(model.exemplars()[exemplar].label, best.label);
             assert!((placement.x_px - x_px).hypot(placement.y_px - y_px) < 1.5, "{placement:?}");
-            let turned = (placement.rotation_rad.to_degrees() - degrees + 180.0).rem_euclid(360.0) - 180.0;
-            assert!(turned.abs() < 2.0, "{turned}");
+            let turned = angular_distance_rad(placement.rotation_rad, degrees.to_radians()).to_degrees();
+            assert!(turned < 2.0, "{turned}");
             assert!((placement.scale / scale - 1.0).abs() < 0.06, "{placement:?}");
             assert!(inliers >= 5 && agreement > 0.4, "{inliers} {agreement}");
         }
@@ -545,7 +392,7 @@ mod tests {
         let mut found: Vec<(&str, f32)> = recognition
             .instances
             .iter()
-            .map(|instance| (instance.label.as_str(), instance.placed.placement.x_px.round()))
+            .map(|instance| (instance.label.as_str(), instance.verified.placement.x_px.round()))
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         let near =
@@ -601,8 +448,8 @@ mod tests {
                     (recognition.votes[0].weight, recognition.exemplar_weights[seed as usize]);
                 assert!((weight - own).abs() < 1e-9 * own, "{weight} {own}");
             }
-            let parts = model.to_parts();
-            assert_eq!(Landmarks::from_parts(parts.clone()).unwrap().to_parts(), parts);
+            let parts = LandmarkParts::from(&model);
+            assert_eq!(LandmarkParts::from(&Landmarks::try_from(parts.clone()).unwrap()), parts);
         }
     }
 
@@ -611,11 +458,14 @@ mod tests {
         let model = trained(&LandmarkOptions::default());
         let frame = table(&[(3, 110.0, 110.0, 30.0), (6, 250.0, 110.0, 80.0)], 1.0);
         assert_eq!(labels(&model.recognise(&frame, |_| ()))[..2].len(), 2);
-        let (without, _) =
-            model.recognise_without(&frame, Some(&model.leaving_out(|e| e.label == "toy3")), |_| ());
-        assert_eq!(labels(&without)[0], "toy6");
-        assert!(labels(&without).iter().all(|label| *label != "toy3"));
-        let nothing = model.recognise_without(&frame, Some(&model.leaving_out(|_| true)), |_| ()).0;
+        let without = |left_out: fn(&Exemplar) -> bool| {
+            let subset = EigenpointSubset::without(&model, left_out);
+            recognise(&model, Some(&subset), &frame, |_| ())
+        };
+        let others = without(|exemplar| exemplar.label == "toy3");
+        assert_eq!(labels(&others)[0], "toy6");
+        assert!(labels(&others).iter().all(|label| *label != "toy3"));
+        let nothing = without(|_| true);
         assert!(nothing.votes.is_empty() && nothing.decision.is_none());
     }
 }

@@ -1,90 +1,116 @@
-//! What a frame was taken for, how sure that is, and why.
+//! The answer of a recognition: decision, votes, verified placements and their evidence.
 
+use super::confidence::Evidence;
 use super::placement::Placement;
 use super::warning::Warning;
+use crate::vision::InterestPoint;
 
-/// What a frame was taken for, and why.
+/// The stages of a recognition, in their order; all but the first may come several times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// A§4.2: interest points.
+    Attention,
+    /// A§4.3–4.4: sub-windows and signatures.
+    Signature,
+    /// A§4.1, A§4.5: projection, and the nearest eigenpoints.
+    Search,
+    /// A§4.5: votes.
+    Vote,
+    /// Edge templates compared with the frame.
+    Verification,
+}
+
+/// The answer to a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recognition {
-    /// What the frame shows; `None` if nothing is known in it for sure enough.
+    /// `None` if nothing reaches the database's threshold.
     pub decision: Option<Decision>,
     /// Interest points in the frame.
     pub points_found: usize,
-    /// Those that were asked: no more than it takes, and none with nothing to see about it.
+    /// Interest points that were searched: no more than it takes, and none with a flat sub-window.
     pub points_used: usize,
     /// Labels with W > 0, best first.
     pub votes: Vec<LabelVote>,
-    /// Every exemplar that is placed in the frame for sure enough, surest first.
+    /// The verified placements that reach the threshold, most confident first.
     pub instances: Vec<Instance>,
-    /// What each point said, strongest point first.
+    /// The vote of each point, most salient point first.
     pub points: Vec<PointVote>,
     /// W of every exemplar of the model, in the model's order.
     pub exemplar_weights: Vec<f64>,
-    /// Doubts.
+    /// For the best vote.
+    pub evidence: Evidence,
+    /// Reasons to doubt the answer.
     pub warnings: Vec<Warning>,
 }
 
-/// What a frame shows.
+/// The label that a frame is recognised as.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// Its name.
+    /// The class or place.
     pub label: String,
-    /// The chance that it is right, 0..=1; `None` if the model isn't calibrated.
+    /// Probability that it is right, 0..=1; `None` if the model isn't calibrated.
     pub confidence: Option<f64>,
 }
 
 /// The vote for one label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelVote {
-    /// What was voted for.
+    /// The label that was voted for.
     pub label: String,
-    /// W: the weights of its points, added up in their order, exactly.
+    /// W: exactly the sum of the weights of its points, in their order.
     pub weight: f64,
     /// Its part of the W of all labels, 0..=1.
     pub share: f64,
-    /// How many points voted for it with a weight above 0.
+    /// Points that voted for it with a weight above 0.
     pub points: usize,
-    /// Where the votes say it lies.
-    pub placement: Option<Placed>,
+    /// Its best placement; `None` if the method verifies none.
+    pub placement: Option<VerifiedPlacement>,
 }
 
-/// An exemplar laid on the frame.
+/// A placement of an exemplar that was compared with the frame's gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct VerifiedPlacement {
     /// Index into the model's exemplars.
     pub exemplar: usize,
-    /// Where.
+    /// Position, rotation and scale in the frame.
     pub placement: Placement,
-    /// Windows of the frame that agree.
+    /// Windows of the frame that agree with the placement.
     pub inliers: usize,
-    /// How well the exemplar's gradients are found again in the frame, −1..=1.
+    /// Agreement of the edge template with the frame's gradients, −1..=1.
     pub agreement: f32,
 }
 
-/// An exemplar that is in the frame for sure enough.
+/// A verified placement that reaches the threshold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
-    /// What it shows.
+    /// Label of its exemplar.
     pub label: String,
-    /// The chance that it is right, 0..=1.
+    /// Probability that it is right, 0..=1.
     pub confidence: f64,
-    /// Where it lies.
-    pub placed: Placed,
+    /// Its exemplar and where that lies.
+    pub verified: VerifiedPlacement,
 }
 
 /// The vote of one interest point for one exemplar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointVote {
-    /// Where it is.
+    /// Column of the point.
     pub x_px: f32,
-    /// Where it is.
+    /// Row of the point.
     pub y_px: f32,
-    /// How strongly it drew attention.
+    /// Salience of the point.
     pub salience: f32,
-    /// Whose eigenpoint is near: index into the model's exemplars.
+    /// Owner of the near eigenpoint: index into the model's exemplars.
     pub exemplar: usize,
     /// D.
     pub distance: f64,
     /// Its part of W; 0 where it doesn't count.
     pub weight: f64,
+}
+
+impl PointVote {
+    pub(super) fn new(point: InterestPoint, exemplar: usize, distance: f32, weight: f64) -> PointVote {
+        let InterestPoint { x_px, y_px, salience } = point;
+        PointVote { x_px, y_px, salience, exemplar, distance: f64::from(distance), weight }
+    }
 }

@@ -2,26 +2,25 @@
 
 use thiserror::Error;
 
-use super::description::{DescribedExemplar, Describer};
-use super::model::{Exemplar, Landmarks, Owned};
+use super::description::DescribedExemplar;
+use super::model::Landmarks;
 use super::options::{Colour, LandmarkOptions};
-use super::parts::spectrum_lengths;
-use super::prior::{coordinates, with_places};
-use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
+use super::parts::{LandmarkParts, coordinates};
+use crate::eigen::{EigenError, Eigenspace};
 use crate::recognition::OptionFault;
 
-/// What a training tells of itself.
+/// Figures of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingReport {
     /// Variance along every direction, descending.
     pub spectrum: Vec<f64>,
     /// The part of all variance that the kept directions hold, 0..=1.
     pub energy_kept: f64,
-    /// Directions kept: fewer than asked for if there are no more.
+    /// Directions kept: fewer than the options ask for if there are no more.
     pub dimension: usize,
     /// Components of a signature.
     pub signature_length: usize,
-    /// What signatures know of colour.
+    /// The colour planes of signatures, never `Auto`.
     pub colour: Colour,
     /// Exemplars, with or without points.
     pub exemplars: usize,
@@ -29,121 +28,135 @@ pub struct TrainingReport {
     pub labels: usize,
     /// Interest points of all exemplars.
     pub interest_points: usize,
-    /// Ids of exemplars in which nothing drew attention: they can never be voted for.
+    /// Ids of exemplars without interest points: no point can vote for them.
     pub exemplars_without_points: Vec<String>,
 }
 
-/// Why no model came of a training.
+/// Why a training gave no model.
 #[derive(Debug, Error, PartialEq)]
 pub enum TrainingError {
+    /// The list of exemplars is empty.
     #[error("there are no exemplars")]
     NoExemplars,
+    /// Not one window was described.
     #[error("no exemplar has interest points: the pictures are flat, dark or out of focus")]
     NoInterestPoints,
-    #[error("the exemplar id {id:?} occurs more than once")]
-    DuplicateId { id: String },
-    #[error("the exemplar {id:?} was described under other options")]
-    OtherOptions { id: String },
+    /// Two exemplars have this id.
+    #[error("the exemplar id {0:?} occurs more than once")]
+    DuplicateId(String),
+    /// Signatures of the exemplar with this id have another length than the options give.
+    #[error("the exemplar {0:?} was described under other options")]
+    OtherOptions(String),
+    /// The options are out of range or contradict each other: all that is wrong with them.
     #[error("the options can't be used")]
-    Options { faults: Vec<OptionFault> },
+    Options(Vec<OptionFault>),
+    /// The signatures don't vary.
     #[error("no eigenspace can be fitted to the signatures")]
-    Eigenspace { source: EigenError },
+    Eigenspace(#[source] EigenError),
 }
 
 impl Landmarks {
-    /// Train on described exemplars. Their order doesn't matter: they are sorted by label, then id.
+    /// Trains on described exemplars, in any order: they are sorted by label, then id.
+    ///
+    /// # Errors
+    /// Faults of the options; exemplars that are none, have the same id, were described under other options, or have
+    /// no interest points; signatures that don't vary.
     pub fn train(
         mut exemplars: Vec<DescribedExemplar>,
         options: &LandmarkOptions,
     ) -> Result<(Landmarks, TrainingReport), TrainingError> {
-        let faults = options.faults();
-        if !faults.is_empty() {
-            return Err(TrainingError::Options { faults });
-        }
-        if exemplars.is_empty() {
-            return Err(TrainingError::NoExemplars);
-        }
-        exemplars.sort_by(|a, b| (&a.name.label, &a.name.id).cmp(&(&b.name.label, &b.name.id)));
-        let mut ids: Vec<&str> = exemplars.iter().map(|e| e.name.id.as_str()).collect();
-        ids.sort_unstable();
-        if let Some(pair) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(TrainingError::DuplicateId { id: pair[0].to_owned() });
-        }
-        let described_length = |e: &DescribedExemplar| {
-            options.gray_length() + if e.colour { options.colour_length() } else { 0 }
-        };
-        let fits = |e: &DescribedExemplar| {
-            let colour = options.with_colour_if_auto(e.colour).colour == Colour::Opponent;
-            colour == e.colour && e.signatures.len() == e.windows.len() * described_length(e)
-        };
-        if let Some(other) = exemplars.iter().find(|e| !fits(e)) {
-            return Err(TrainingError::OtherOptions { id: other.name.id.clone() });
-        }
-        let options = options.with_colour_if_auto(exemplars.iter().all(|e| e.colour));
-        // a signature's luminance part comes first: where colour isn't used, its own part is left out
-        let length = options.signature_length();
-        let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described_length(e)));
-        let signatures: Vec<f32> = rows.flat_map(|row| &row[..length]).copied().collect();
+        exemplars.sort_by(|a, b| a.exemplar.sort_key().cmp(&b.exemplar.sort_key()));
+        check(&exemplars, options)?;
+        let resolved = options.with_colour(exemplars.iter().all(|e| e.colour));
+        let signature_length = resolved.signature_length();
+        let signatures = signatures(&exemplars, options, signature_length);
         if signatures.is_empty() {
             return Err(TrainingError::NoInterestPoints);
         }
-        let (eigenspace, spectrum) = Eigenspace::fit(&signatures, length, options.dimension) // A§4.1
-            .map_err(|source| TrainingError::Eigenspace { source })?;
-        let (dimension, prior) = (eigenspace.dimension(), options.position_prior_px);
-        let windows = exemplars.iter().flat_map(|exemplar| exemplar.windows.iter().copied());
-        let rows = with_places(eigenspace.project(&signatures), dimension, windows, prior);
-        let index = EigenpointIndex::new(rows, coordinates(dimension, prior));
-
-        let owned = exemplars.iter().enumerate().flat_map(|(owner, exemplar)| {
-            exemplar.windows.iter().map(move |&window| Owned { window, exemplar: owner as u32 })
-        });
-        let owned: Vec<Owned> = owned.collect();
+        let (eigenspace, spectrum) = Eigenspace::fit(&signatures, signature_length, options.dimension) // A§4.1
+            .map_err(TrainingError::Eigenspace)?;
         let exemplars_without_points =
-            exemplars.iter().filter(|e| e.windows.is_empty()).map(|e| e.name.id.clone()).collect();
-        let spectra: Vec<i8> = exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect();
-        let exemplars: Vec<Exemplar> = exemplars
-            .into_iter()
-            .map(|e| Exemplar {
-                id: e.name.id,
-                label: e.name.label,
-                width_px: e.width_px as u32,
-                height_px: e.height_px as u32,
-                windows: e.windows.len(),
-                contour: e.contour,
-            })
-            .collect();
-        let describer = Describer::new(&options);
-        let model = Landmarks {
-            options,
-            exemplars,
-            eigenspace,
-            index,
-            owned,
-            spectrum_lengths: spectrum_lengths(&spectra, &describer),
-            describer,
-            spectra,
-            confidence: None,
-        };
+            exemplars.iter().filter(|e| e.windows.is_empty()).map(|e| e.exemplar.id.clone()).collect();
+        let model = parts(exemplars, resolved, eigenspace, &signatures).assemble();
         let report = TrainingReport {
             energy_kept: model.eigenspace.eigenvalues.iter().sum::<f64>() / model.eigenspace.total_variance,
             spectrum,
-            dimension: model.eigenspace.dimension(),
-            signature_length: length,
+            dimension: model.dimension(),
+            signature_length,
             colour: model.options.colour,
             exemplars: model.exemplars.len(),
             labels: model.labels().len(),
-            interest_points: model.owned.len() / model.options.subwindow_radii_px.len(),
+            interest_points: model.windows.len() / model.options.subwindow_radii_px.len(),
             exemplars_without_points,
         };
         Ok((model, report))
     }
 }
 
+/// Checks options and sorted exemplars.
+fn check(exemplars: &[DescribedExemplar], options: &LandmarkOptions) -> Result<(), TrainingError> {
+    let faults = options.faults();
+    if !faults.is_empty() {
+        return Err(TrainingError::Options(faults));
+    }
+    if exemplars.is_empty() {
+        return Err(TrainingError::NoExemplars);
+    }
+    let mut ids: Vec<&str> = exemplars.iter().map(|e| e.exemplar.id.as_str()).collect();
+    ids.sort_unstable();
+    if let Some(pair) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(TrainingError::DuplicateId(pair[0].to_owned()));
+    }
+    let fits = |e: &DescribedExemplar| {
+        let colour = options.with_colour(e.colour).colour == Colour::Opponent;
+        colour == e.colour && e.signatures.len() == e.windows.len() * described_length(e, options)
+    };
+    match exemplars.iter().find(|e| !fits(e)) {
+        Some(other) => Err(TrainingError::OtherOptions(other.exemplar.id.clone())),
+        None => Ok(()),
+    }
+}
+
+/// Length of an exemplar's signatures.
+fn described_length(exemplar: &DescribedExemplar, options: &LandmarkOptions) -> usize {
+    options.gray_length() + if exemplar.colour { options.colour_length() } else { 0 }
+}
+
+/// The first `length` components of all signatures, one row a window. The luminance part comes first: a shorter `length`
+/// leaves the colour part out.
+fn signatures(exemplars: &[DescribedExemplar], options: &LandmarkOptions, length: usize) -> Vec<f32> {
+    let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described_length(e, options)));
+    rows.flat_map(|row| &row[..length]).copied().collect()
+}
+
+fn parts(
+    exemplars: Vec<DescribedExemplar>,
+    options: LandmarkOptions,
+    eigenspace: Eigenspace,
+    signatures: &[f32],
+) -> LandmarkParts {
+    let windows = || exemplars.iter().flat_map(|e| &e.windows);
+    let owner = |(owner, e): (usize, &DescribedExemplar)| std::iter::repeat_n(owner as u32, e.windows.len());
+    LandmarkParts {
+        options,
+        eigenpoints: eigenspace.project(signatures),
+        mean: eigenspace.mean,
+        basis: eigenspace.basis,
+        eigenvalues: eigenspace.eigenvalues,
+        total_variance: eigenspace.total_variance,
+        points: windows().flat_map(|window| coordinates(&window.point)).collect(),
+        radius: windows().map(|window| window.radius).collect(),
+        spectra: exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect(),
+        confidence: None,
+        owner: exemplars.iter().enumerate().flat_map(owner).collect(),
+        exemplars: exemplars.into_iter().map(|e| e.exemplar).collect(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::Window;
-    use super::super::describe;
     use super::super::pictures::{described, name, paper, toy};
+    use super::super::{Exemplar, Window, describe};
     use super::*;
     use crate::imaging::{Frame, Image};
     use crate::vision::InterestPoint;
@@ -157,7 +170,7 @@ mod tests {
         shuffled.swap(1, 4);
         let (a, report_a) = Landmarks::train(exemplars, &options).unwrap();
         let (b, report_b) = Landmarks::train(shuffled, &options).unwrap();
-        assert_eq!(a.to_parts(), b.to_parts());
+        assert_eq!(LandmarkParts::from(&a), LandmarkParts::from(&b));
         assert_eq!(report_a, report_b);
     }
 
@@ -186,17 +199,14 @@ mod tests {
         let flat = describe(name("a", "a"), &Frame::gray(Image::from_fn(50, 40, |_, _| 90.0)), &options);
         assert_eq!(fail(vec![flat], &options), TrainingError::NoInterestPoints);
         let twice = [described(0..1, &options), described(0..1, &options)].concat();
-        assert_eq!(fail(twice, &options), TrainingError::DuplicateId { id: "toy0".to_owned() });
+        assert_eq!(fail(twice, &options), TrainingError::DuplicateId("toy0".to_owned()));
         let other = LandmarkOptions { rings: 6, ..options.clone() };
-        assert_eq!(
-            fail(described(0..2, &other), &options),
-            TrainingError::OtherOptions { id: "toy0".to_owned() }
-        );
+        assert_eq!(fail(described(0..2, &other), &options), TrainingError::OtherOptions("toy0".to_owned()));
         let opponent = LandmarkOptions { colour: Colour::Opponent, ..options.clone() };
         let described_gray = described(0..2, &options);
-        assert_eq!(fail(described_gray, &opponent), TrainingError::OtherOptions { id: "toy0".to_owned() });
+        assert_eq!(fail(described_gray, &opponent), TrainingError::OtherOptions("toy0".to_owned()));
         let bad = LandmarkOptions { neighbours: 2, ..options };
-        assert!(matches!(fail(vec![], &bad), TrainingError::Options { faults } if faults.len() == 1));
+        assert!(matches!(fail(vec![], &bad), TrainingError::Options(faults) if faults.len() == 1));
     }
 
     #[test]
@@ -220,22 +230,26 @@ mod tests {
         let length = options.signature_length();
         let point = InterestPoint { x_px: 1.0, y_px: 1.0, salience: 1.0 };
         let exemplar = |id: &str, signatures: Vec<f32>| DescribedExemplar {
-            name: name(id, id),
-            width_px: 9,
-            height_px: 9,
+            exemplar: Exemplar {
+                id: id.to_owned(),
+                label: id.to_owned(),
+                width_px: 9,
+                height_px: 9,
+                windows: signatures.len() / length,
+                edges: vec![],
+            },
             windows: vec![Window { point, radius: 0 }; signatures.len() / length],
             colour: false,
             signatures,
             spectra: vec![],
-            contour: vec![],
         };
         let window = |k: usize| (0..length).map(|i| if i == k { 1.0 } else { 0.0 }).collect::<Vec<f32>>();
         let same = exemplar("same", window(0).repeat(10_000));
         let (model, report) =
             Landmarks::train(vec![same.clone(), exemplar("other", window(1))], &options).unwrap();
         assert_eq!(report.dimension, 1);
-        assert_eq!(model.to_parts().owner.len(), 10_001);
+        assert_eq!(LandmarkParts::from(&model).owner.len(), 10_001);
         let alone = Landmarks::train(vec![same], &options).err().unwrap();
-        assert!(matches!(alone, TrainingError::Eigenspace { source: EigenError::NoVariance { .. } }));
+        assert!(matches!(alone, TrainingError::Eigenspace(EigenError::NoVariance { .. })));
     }
 }

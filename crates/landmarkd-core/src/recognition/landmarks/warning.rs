@@ -1,20 +1,26 @@
-//! What a reader of an answer should know before trusting it.
+//! Reasons to doubt an answer.
 
-use std::fmt;
-
-/// Fewer points than this and a vote is luck: one background point outweighs the object.
+/// With fewer points a vote is chance: one background point outweighs the object.
 pub const FEW_POINTS: usize = 8;
 
-/// A doubt about one answer.
+/// A reason to doubt an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Warning {
-    /// Nothing in the frame drew attention, or nothing was to be seen where it did.
+    /// The frame has no interest points, or all of their sub-windows are flat.
     NoInterestPoints,
-    /// Fewer than eight interest points voted, though more were asked for.
-    TooFewPoints { found: usize },
-    /// Nothing was decided, and fewer than half of the points that were asked voted for the best label.
-    VotesOnBackground { voted: usize, used: usize },
-    /// Another label has nearly the same evidence.
+    /// Fewer than eight interest points voted, though the options allow more.
+    TooFewPoints {
+        /// Points that voted.
+        found: usize,
+    },
+    /// Nothing was decided, and fewer than half of the points voted for the best label.
+    VotesOnBackground {
+        /// Points that voted for the best label.
+        voted: usize,
+        /// Points that were searched.
+        used: usize,
+    },
+    /// Another label has nearly the same W.
     CloseSecond,
     /// The database was trained with colour and the frame has none.
     GrayFrame,
@@ -29,35 +35,6 @@ impl Warning {
             Warning::VotesOnBackground { .. } => "votes_on_background",
             Warning::CloseSecond => "close_second",
             Warning::GrayFrame => "gray_frame",
-        }
-    }
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Warning::NoInterestPoints => {
-                write!(f, "no interest points were found: the frame is flat, dark or out of focus")
-            }
-            Warning::TooFewPoints { found } => {
-                write!(
-                    f,
-                    "only {found} interest points were found; fewer than {FEW_POINTS} make an unsure vote"
-                )
-            }
-            Warning::VotesOnBackground { voted, used } => {
-                write!(
-                    f,
-                    "only {voted} of {used} points speak for the best label: most lie on the background, or on \
-                     something that the database doesn't know"
-                )
-            }
-            Warning::CloseSecond => {
-                write!(f, "another label has nearly the same evidence: see the votes")
-            }
-            Warning::GrayFrame => {
-                write!(f, "the frame is gray, but the database was trained with colour: signatures differ")
-            }
         }
     }
 }

@@ -1,19 +1,19 @@
-//! A picture with its recognition drawn on it: what a person looks at to see what it is and how it is turned.
+//! A picture with its recognition drawn on it, for people: candidates as text, the pose as a dial.
 
 use super::recognition::{Candidate, Pose, Recognition};
 use crate::imaging::{Frame, Overlay};
 
-/// The candidate that was accepted, and a pose that may be acted on.
+/// The candidate that was accepted, and a reliable pose.
 const ACCEPTED: [u8; 3] = [64, 224, 96];
-/// Candidates that were not, and a pose that may not be acted on.
+/// Candidates that were not, and a pose that is not reliable.
 const DOUBTFUL: [u8; 3] = [240, 150, 40];
-/// The dial's rim and its mark at 0°.
+/// The dial's circle and its mark at 0°.
 const DIAL: [u8; 3] = [160, 160, 160];
 const TEXT: [u8; 3] = [255, 255, 255];
-/// Candidates in the list.
-const LINES: usize = 3;
+/// Most candidates in the list.
+const MAX_LINES: usize = 3;
 /// The dial's radius as a part of the picture's shorter side.
-const DIAL_PART: f32 = 0.14;
+const DIAL_RADIUS: f32 = 0.14;
 
 /// Draw the likeliest objects with their distances as text, and the pose as a dial in the lower right corner.
 ///
@@ -21,25 +21,25 @@ const DIAL_PART: f32 = 0.14;
 /// hand is green if the pose is reliable and orange if not; a short orange hand is the alternative.
 pub fn annotate(frame: &Frame, recognition: &Recognition) -> Overlay {
     let mut overlay = Overlay::on(frame);
-    let decided = recognition.decision.as_ref();
+    let decision = recognition.decision.as_ref();
     let line_px = overlay.line_height_px();
-    if decided.is_none() {
+    if decision.is_none() {
         overlay.text(4.0, 0.25 * line_px, "unknown", DOUBTFUL);
     }
-    let first = usize::from(decided.is_none());
-    for (line, candidate) in recognition.candidates.iter().take(LINES).enumerate() {
-        let accepted = decided.is_some_and(|decision| decision.label == candidate.label);
+    let first = usize::from(decision.is_none());
+    for (line, candidate) in recognition.candidates.iter().take(MAX_LINES).enumerate() {
+        let accepted = decision.is_some_and(|decision| decision.label == candidate.label);
         let top_px = line_px * ((first + line) as f32 + 0.25);
-        overlay.text(4.0, top_px, &words(candidate), if accepted { ACCEPTED } else { DOUBTFUL });
+        overlay.text(4.0, top_px, &candidate_text(candidate), if accepted { ACCEPTED } else { DOUBTFUL });
     }
-    if let Some(pose) = decided.and_then(|decision| decision.pose) {
-        dial(&mut overlay, frame, &pose);
+    if let Some(pose) = decision.and_then(|decision| decision.pose) {
+        draw_dial(&mut overlay, frame, &pose);
     }
     overlay
 }
 
 /// Label, total distance (B(16): in the space and from it), and the largest that is accepted.
-fn words(candidate: &Candidate) -> String {
+fn candidate_text(candidate: &Candidate) -> String {
     let distance = candidate.distance_in_space.hypot(candidate.distance_from_space);
     match candidate.threshold {
         Some(threshold) => format!("{}  {distance:.3} of {threshold:.3}", candidate.label),
@@ -47,9 +47,9 @@ fn words(candidate: &Candidate) -> String {
     }
 }
 
-fn dial(overlay: &mut Overlay, frame: &Frame, pose: &Pose) {
+fn draw_dial(overlay: &mut Overlay, frame: &Frame, pose: &Pose) {
     let (width_px, height_px) = (frame.width() as f32, frame.height() as f32);
-    let radius_px = DIAL_PART * width_px.min(height_px);
+    let radius_px = DIAL_RADIUS * width_px.min(height_px);
     let (x_px, y_px) = (width_px - 1.5 * radius_px, height_px - 1.5 * radius_px);
     let towards = |turn_deg: f64, part: f32| {
         let (sin, cos) = turn_deg.to_radians().sin_cos();
@@ -65,8 +65,8 @@ fn dial(overlay: &mut Overlay, frame: &Frame, pose: &Pose) {
     let (to_x_px, to_y_px) = towards(pose.turn_deg, 1.0);
     overlay.line(x_px, y_px, to_x_px, to_y_px, if pose.reliable { ACCEPTED } else { DOUBTFUL });
     let line_px = overlay.line_height_px();
-    let words = format!("{:.1}\u{b0} \u{b1}{:.1}\u{b0}", pose.turn_deg, pose.sigma_deg);
-    overlay.text(4.0, height_px - 1.25 * line_px, &words, TEXT);
+    let text = format!("{:.1}\u{b0} \u{b1}{:.1}\u{b0}", pose.turn_deg, pose.sigma_deg);
+    overlay.text(4.0, height_px - 1.25 * line_px, &text, TEXT);
 }
 
 #[cfg(test)]
@@ -122,6 +122,6 @@ mod tests {
         let unknown = recognition(None, false);
         assert_eq!(drawn(&unknown, ACCEPTED), (0, 0));
         assert_eq!(drawn(&unknown, DIAL).0, 0);
-        assert!(drawn(&unknown, DOUBTFUL).1 > 50, "the words are there");
+        assert!(drawn(&unknown, DOUBTFUL).1 > 50, "the text is there");
     }
 }

@@ -2,33 +2,35 @@
 //!
 //! The text takes the pixels as they are. Here the picture is smoothed first, and then sampled no more densely than
 //! the smoothing leaves detail: an edge that moves by more than its own width between two views can't be
-//! interpolated, so raw pixels make a manifold of corners. Measured on 20 objects, 36 views each, other 36 asked: see
-//! `docs/papers.md`.
+//! interpolated, so raw pixels make a manifold of corners. Measured on 20 objects, trained with 36 views each and asked
+//! about the 36 between: see `docs/papers.md`.
 
 use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::cutout::{Sole, cutout, glare};
+use super::normalised_crop::{ObjectSegmentation, normalised_crop, saturated_part};
 use super::options::{MAX_SIDE_PX, ObjectOptions, Resize};
+use super::recognition::Warning;
 use crate::imaging::{Frame, Image, fitted};
 use crate::vision::segmentation::{Region, Segmentation};
 use crate::vision::smoothed;
 
-/// So many samples to a standard deviation of the smoothing: what they can't show is nearly gone.
-const SAMPLES_A_SIGMA: f64 = 1.5;
-/// Energy a pixel below which a picture is black: half a grey level in a hundred pixels.
-const LEAST_ENERGY: f64 = 0.0025;
-/// A pixel this bright has lost its detail, in a picture of 0..=255.
-const GLARE: f32 = 254.0;
-const MOST_GLARE: f64 = 0.05;
-/// Side of a database's pictures of objects that are cut out, if none is given and its exemplars aren't smaller.
-const CUTOUT_SIDE_PX: u32 = 128;
-/// It is no smaller than what may be given.
-const LEAST_SIDE_PX: u32 = 8;
-/// A picture in which no hundredth of the pixels is brighter is under-exposed.
-const DIM: f32 = 48.0;
-const BRIGHTEST_PART: f64 = 0.01;
+/// Standard deviation of the smoothing in samples: detail that is finer is nearly gone.
+const SIGMA_SAMPLES: f64 = 1.5;
+/// Energy a pixel below which a picture is black: half a gray level in a hundred pixels.
+const MIN_ENERGY: f64 = 0.0025;
+/// A pixel this bright is saturated, in a picture of 0..=255.
+const SATURATED: f32 = 254.0;
+/// A picture is over-exposed if a larger part of its pixels is saturated.
+const MAX_SATURATED_PART: f64 = 0.05;
+/// A picture is under-exposed if fewer than [`MIN_BRIGHT_PART`] of its pixels are this bright.
+const BRIGHT: f32 = 48.0;
+const MIN_BRIGHT_PART: f64 = 0.01;
+/// Side of normalised crops, if none is given and the exemplars aren't smaller.
+const CROP_SIDE_PX: u32 = 128;
+/// Least side of normalised crops: the least that an option may give.
+const MIN_SIDE_PX: u32 = 8;
 
 /// The picture is not of the database's size, and `resize` is `never`.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -36,46 +38,61 @@ const BRIGHTEST_PART: f64 = 0.01;
     "the picture has {width_px}×{height_px} pixels; the database has pictures of {expected_width_px}×{expected_height_px}"
 )]
 pub struct SizeMismatch {
+    /// Width of the picture.
     pub width_px: usize,
+    /// Height of the picture.
     pub height_px: usize,
+    /// Width of the database's pictures.
     pub expected_width_px: usize,
+    /// Height of the database's pictures.
     pub expected_height_px: usize,
 }
 
-/// How pictures of a database become vectors.
+/// Turns pictures into appearances: one size, smoothed, sampled, of unit energy.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Canvas {
+pub struct Normaliser {
     /// Size of the database's pictures.
     pub(super) width_px: usize,
     pub(super) height_px: usize,
     resize: Resize,
     segment: bool,
     sigma_px: f64,
-    /// Sides of the squares of pixels that make one sample.
+    /// Side of the square of pixels that makes one sample.
     step_px: usize,
 }
 
 /// A picture as a vector.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Appearance {
     /// Of length one, row-major; all zero for a black picture.
     pub vector: Vec<f32>,
-    /// The picture was not of the canvas' size.
+    /// The picture was not of the normaliser's size.
     pub resized: bool,
-    /// More than a twentieth of the pixels is as bright as can be.
+    /// More than a twentieth of the pixels is saturated.
     pub over_exposed: bool,
-    /// Hardly a pixel reaches a fifth of the brightest.
+    /// Hardly a pixel reaches a fifth of the brightest. A dark background is no reason.
     pub under_exposed: bool,
-    /// The object was cut out of a picture that may not hold it whole.
+    /// The object was cropped from a picture whose border cuts it.
     pub touches_border: bool,
-    /// The object was cut out of a picture with another one nearly as large.
-    pub crowded: bool,
+    /// The object was cropped from a picture with another one nearly as large.
+    pub several_regions: bool,
 }
 
 impl Appearance {
     /// Whether the picture is black, or nothing stood out of it.
     pub fn is_blank(&self) -> bool {
         self.vector.iter().all(|&v| v == 0.0)
+    }
+
+    /// Doubts about the picture, but for a blank one.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let doubts = [
+            self.resized.then_some(Warning::Resized),
+            self.touches_border.then_some(Warning::TouchesBorder),
+            self.several_regions.then_some(Warning::SeveralRegions),
+            self.over_exposed.then_some(Warning::OverExposed),
+        ];
+        doubts.into_iter().flatten().collect()
     }
 }
 
@@ -88,12 +105,12 @@ pub fn common_size(sizes: impl IntoIterator<Item = (u32, u32)>) -> Option<(u32, 
     counts.into_iter().max_by_key(|&(size, count)| (count, size)).map(|(size, _)| size)
 }
 
-impl Canvas {
-    /// The canvas of a database whose commonest picture has `size_px` (width, height): of the size that the options
-    /// name, or else of that one, shrunk to 1024 px a side; for objects that are cut out a square of 128 px.
-    pub fn new(options: &ObjectOptions, size_px: (u32, u32)) -> Canvas {
+impl Normaliser {
+    /// The normaliser of a database whose commonest picture has `size_px` (width, height): of the size that the options
+    /// name, or else of that one, shrunk to 1024 px a side; with `segment` a square of 128 px.
+    pub fn new(options: &ObjectOptions, size_px: (u32, u32)) -> Normaliser {
         let size_px = match options.segment {
-            true => [size_px.0.min(size_px.1).clamp(LEAST_SIDE_PX, CUTOUT_SIDE_PX); 2].into(),
+            true => [size_px.0.min(size_px.1).clamp(MIN_SIDE_PX, CROP_SIDE_PX); 2].into(),
             false => size_px,
         };
         let (width, height) = (f64::from(size_px.0), f64::from(size_px.1));
@@ -102,11 +119,18 @@ impl Canvas {
         let width_px = options.width_px.unwrap_or(side(width));
         let height_px = options.height_px.unwrap_or(side(height));
         let sigma_px = options.smoothing * width_px.max(height_px) as f64;
-        let step_px = ((sigma_px / SAMPLES_A_SIGMA) as usize).clamp(1, width_px.min(height_px).max(1));
-        Canvas { width_px, height_px, resize: options.resize, segment: options.segment, sigma_px, step_px }
+        let step_px = ((sigma_px / SIGMA_SAMPLES) as usize).clamp(1, width_px.min(height_px).max(1));
+        Normaliser {
+            width_px,
+            height_px,
+            resize: options.resize,
+            segment: options.segment,
+            sigma_px,
+            step_px,
+        }
     }
 
-    /// Width and height of the picture that an appearance is: samples, not pixels.
+    /// Width and height of an appearance as a picture: samples, not pixels.
     pub fn samples(&self) -> (usize, usize) {
         (self.width_px / self.step_px, self.height_px / self.step_px)
     }
@@ -117,15 +141,20 @@ impl Canvas {
         columns * rows
     }
 
-    /// The appearance of a picture: its luminance, or the object cut out of it, in the canvas' size, smoothed, sampled,
-    /// of unit energy.
+    /// Gray levels of samples as a picture.
+    pub(super) fn picture(&self, samples: impl Iterator<Item = f32>) -> Image {
+        let (width, height) = self.samples();
+        Image::new(width, height, samples.collect())
+    }
+
+    /// The appearance of a picture: its luminance, or with `segment` the crop of its largest region.
     ///
     /// # Errors
-    /// [`SizeMismatch`], unless objects are cut out.
+    /// [`SizeMismatch`], unless `segment` is set.
     pub fn appearance(&self, frame: &Frame) -> Result<Appearance, SizeMismatch> {
         let luminance = &frame.luminance;
         if self.segment {
-            return Ok(self.sole_appearance(luminance));
+            return Ok(self.object_appearance(luminance));
         }
         let resized = (luminance.width(), luminance.height()) != (self.width_px, self.height_px);
         if resized && self.resize == Resize::Never {
@@ -136,56 +165,53 @@ impl Canvas {
                 expected_height_px: self.height_px,
             });
         }
-        let exposure = exposure(luminance);
         let appearance = match resized {
-            true => self.described(&fitted(luminance, self.width_px, self.height_px), exposure),
-            false => self.described(luminance, exposure),
+            true => self.normalised(&fitted(luminance, self.width_px, self.height_px)),
+            false => self.normalised(luminance),
         };
-        Ok(Appearance { resized, ..appearance })
+        Ok(Appearance {
+            resized,
+            over_exposed: part_above(luminance, SATURATED) > MAX_SATURATED_PART,
+            under_exposed: part_above(luminance, BRIGHT) < MIN_BRIGHT_PART,
+            ..appearance
+        })
     }
 
-    /// The appearance of a region of a picture, by the recipe of [`cutout`], whatever the canvas does with others.
+    /// The appearance of the [`normalised_crop`] of a region, whatever `segment` says.
     pub fn region_appearance(
         &self,
         luminance: &Image,
         segmentation: &Segmentation,
         region: &Region,
     ) -> Appearance {
-        let picture = cutout(luminance, segmentation, region, (self.width_px, self.height_px));
-        // The negative of what is black is bright, and small glare is gone from a small picture.
-        let over_exposed = glare(luminance, segmentation, region, GLARE) > MOST_GLARE;
-        let (_, under_exposed) = exposure(&picture);
-        let appearance = self.described(&picture, (over_exposed, under_exposed));
-        Appearance { touches_border: region.touches_border, ..appearance }
+        let crop = normalised_crop(luminance, segmentation, region, (self.width_px, self.height_px));
+        Appearance {
+            touches_border: region.touches_border,
+            // The negative of black pixels is bright, and few saturated pixels are averaged away in a small crop.
+            over_exposed: saturated_part(luminance, segmentation, region, SATURATED) > MAX_SATURATED_PART,
+            under_exposed: part_above(&crop, BRIGHT) < MIN_BRIGHT_PART,
+            ..self.normalised(&crop)
+        }
     }
 
     /// The appearance of the largest region of a picture; blank if nothing stands out.
-    fn sole_appearance(&self, luminance: &Image) -> Appearance {
-        let sole = Sole::of(luminance);
-        let appearance = match sole.segmentation.regions.first() {
-            Some(region) => self.region_appearance(luminance, &sole.segmentation, region),
-            None => {
-                self.described(&Image::from_fn(self.width_px, self.height_px, |_, _| 0.0), (false, false))
-            }
+    fn object_appearance(&self, luminance: &Image) -> Appearance {
+        let object = ObjectSegmentation::of(luminance);
+        let appearance = match object.segmentation.regions.first() {
+            Some(region) => self.region_appearance(luminance, &object.segmentation, region),
+            None => self.normalised(&Image::from_fn(self.width_px, self.height_px, |_, _| 0.0)),
         };
-        Appearance { crowded: sole.crowded, ..appearance }
+        Appearance { several_regions: object.several_regions, ..appearance }
     }
 
-    /// The appearance of a picture of the canvas' size.
-    fn described(&self, picture: &Image, (over_exposed, under_exposed): (bool, bool)) -> Appearance {
+    /// The appearance of a picture of the database's size, without doubts.
+    fn normalised(&self, picture: &Image) -> Appearance {
         let mut vector = self.sampled(&smoothed(picture, self.sigma_px as f32));
         let energy = vector.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>();
         // B(7)
-        let scale = if energy > LEAST_ENERGY * vector.len() as f64 { 1.0 / energy.sqrt() } else { 0.0 };
+        let scale = if energy > MIN_ENERGY * vector.len() as f64 { 1.0 / energy.sqrt() } else { 0.0 };
         vector.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
-        Appearance {
-            vector,
-            resized: false,
-            over_exposed,
-            under_exposed,
-            touches_border: false,
-            crowded: false,
-        }
+        Appearance { vector, ..Appearance::default() }
     }
 
     /// The mean of each square of pixels; what is left of a square at the right and lower border is not sampled.
@@ -207,12 +233,10 @@ impl Canvas {
     }
 }
 
-/// Whether the picture is over-exposed, and whether it is under-exposed. A dark ground is neither.
-fn exposure(luminance: &Image) -> (bool, bool) {
+/// Part of the pixels whose gray level is at least `level`.
+fn part_above(luminance: &Image, level: f32) -> f64 {
     let pixels = luminance.pixels();
-    let part =
-        |bright: f32| pixels.iter().filter(|&&v| v >= bright).count() as f64 / pixels.len().max(1) as f64;
-    (part(GLARE) > MOST_GLARE, part(DIM) < BRIGHTEST_PART)
+    pixels.iter().filter(|&&v| v >= level).count() as f64 / pixels.len().max(1) as f64
 }
 
 #[cfg(test)]
@@ -232,20 +256,20 @@ mod tests {
 
     #[test]
     fn brightness_does_not_matter() {
-        let canvas = Canvas::new(&ObjectOptions::default(), (64, 48));
-        let bright = canvas.appearance(&blob(64, 48, 240.0)).unwrap();
-        let dark = canvas.appearance(&blob(64, 48, 60.0)).unwrap();
+        let normaliser = Normaliser::new(&ObjectOptions::default(), (64, 48));
+        let bright = normaliser.appearance(&blob(64, 48, 240.0)).unwrap();
+        let dark = normaliser.appearance(&blob(64, 48, 60.0)).unwrap();
         assert!(apart(&bright, &dark) < 1e-5);
         assert!((bright.vector.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-5);
-        let black = canvas.appearance(&blob(64, 48, 0.0)).unwrap();
+        let black = normaliser.appearance(&blob(64, 48, 0.0)).unwrap();
         assert!(black.vector.iter().all(|&v| v == 0.0) && black.under_exposed);
     }
 
     #[test]
     fn smoothing_takes_samples_away_and_none_takes_none() {
-        let smooth = Canvas::new(&ObjectOptions::default(), (128, 128));
+        let smooth = Normaliser::new(&ObjectOptions::default(), (128, 128));
         assert_eq!(smooth.samples(), (64, 64));
-        let raw = Canvas::new(&ObjectOptions { smoothing: 0.0, ..ObjectOptions::default() }, (128, 96));
+        let raw = Normaliser::new(&ObjectOptions { smoothing: 0.0, ..ObjectOptions::default() }, (128, 96));
         assert_eq!(raw.samples(), (128, 96));
         let frame = blob(128, 96, 200.0);
         let raw = raw.appearance(&frame).unwrap();
@@ -256,13 +280,13 @@ mod tests {
     #[test]
     fn another_size_is_fitted_or_refused() {
         let options = ObjectOptions { width_px: Some(64), height_px: Some(48), ..ObjectOptions::default() };
-        let fit = Canvas::new(&options, (9, 9));
+        let fit = Normaliser::new(&options, (9, 9));
         let twice = fit.appearance(&blob(128, 96, 200.0)).unwrap();
         let once = fit.appearance(&blob(64, 48, 200.0)).unwrap();
         assert!(twice.resized && !once.resized);
         // half a pixel between the two drawings
         assert!(apart(&twice, &once) < 0.05, "{}", apart(&twice, &once));
-        let never = Canvas::new(&ObjectOptions { resize: Resize::Never, ..options }, (9, 9));
+        let never = Normaliser::new(&ObjectOptions { resize: Resize::Never, ..options }, (9, 9));
         let error = never.appearance(&blob(128, 96, 200.0)).unwrap_err();
         assert_eq!((error.width_px, error.expected_height_px), (128, 48));
     }
@@ -276,38 +300,40 @@ mod tests {
 
     #[test]
     fn large_pictures_are_shrunk() {
-        let canvas = Canvas::new(&ObjectOptions::default(), (4000, 2000));
-        assert_eq!((canvas.width_px, canvas.height_px), (1024, 512));
-        assert!(canvas.length() < 10_000, "{}", canvas.length());
-        assert_eq!(Canvas::new(&ObjectOptions::default(), (65_535, 1)).samples().1, 1);
+        let normaliser = Normaliser::new(&ObjectOptions::default(), (4000, 2000));
+        assert_eq!((normaliser.width_px, normaliser.height_px), (1024, 512));
+        assert!(normaliser.length() < 10_000, "{}", normaliser.length());
+        assert_eq!(Normaliser::new(&ObjectOptions::default(), (65_535, 1)).samples().1, 1);
     }
 
     #[test]
-    fn an_object_that_is_cut_out_may_stand_anywhere() {
+    fn a_segmented_object_may_lie_anywhere() {
         let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
-        let canvas = Canvas::new(&options, (320, 240));
-        assert_eq!((canvas.width_px, canvas.height_px), (128, 128));
+        let normaliser = Normaliser::new(&options, (320, 240));
+        assert_eq!((normaliser.width_px, normaliser.height_px), (128, 128));
         let at = |x: f32, y: f32, ground: f32| {
             Frame::gray(Image::from_fn(320, 240, |column, row| {
                 let (dx, dy) = (column as f32 - x, row as f32 - y);
                 if (dx / 40.0).powi(2) + (dy / 25.0).powi(2) < 1.0 { 130.0 + dx } else { ground }
             }))
         };
-        let here = canvas.appearance(&at(100.0, 80.0, 0.0)).unwrap();
-        let there = canvas.appearance(&at(200.4, 150.7, 25.0)).unwrap();
+        let here = normaliser.appearance(&at(100.0, 80.0, 0.0)).unwrap();
+        let there = normaliser.appearance(&at(200.4, 150.7, 25.0)).unwrap();
         assert!(apart(&here, &there) < 0.03, "{}", apart(&here, &there));
-        assert!(!here.resized && !here.touches_border && !here.crowded);
-        assert!(canvas.appearance(&at(300.0, 80.0, 0.0)).unwrap().touches_border);
-        assert!(canvas.appearance(&Frame::gray(Image::from_fn(320, 240, |_, _| 90.0))).unwrap().is_blank());
+        assert!(!here.resized && !here.touches_border && !here.several_regions);
+        assert!(normaliser.appearance(&at(300.0, 80.0, 0.0)).unwrap().touches_border);
+        assert!(
+            normaliser.appearance(&Frame::gray(Image::from_fn(320, 240, |_, _| 90.0))).unwrap().is_blank()
+        );
     }
 
     #[test]
     fn exposure_is_told() {
-        let canvas = Canvas::new(&ObjectOptions::default(), (32, 32));
+        let normaliser = Normaliser::new(&ObjectOptions::default(), (32, 32));
         let glare = Image::from_fn(32, 32, |x, _| if x < 8 { 255.0 } else { 20.0 });
-        assert!(canvas.appearance(&Frame::gray(glare)).unwrap().over_exposed);
-        let good = canvas.appearance(&blob(32, 32, 200.0)).unwrap();
+        assert!(normaliser.appearance(&Frame::gray(glare)).unwrap().over_exposed);
+        let good = normaliser.appearance(&blob(32, 32, 200.0)).unwrap();
         assert!(!good.over_exposed && !good.under_exposed);
-        assert!(canvas.appearance(&blob(32, 32, 30.0)).unwrap().under_exposed);
+        assert!(normaliser.appearance(&blob(32, 32, 30.0)).unwrap().under_exposed);
     }
 }

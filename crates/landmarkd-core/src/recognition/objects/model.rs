@@ -1,17 +1,18 @@
 //! A trained object database: an immutable value that recognises pictures.
 
-use super::appearance::{Appearance, Canvas, SizeMismatch};
-use super::calibration::Calibration;
-use super::object::{Closeness, KnownObject};
-use super::options::{ObjectOptions, Search, Stages};
+use super::acceptance::Acceptance;
+use super::appearance::{Appearance, Normaliser, SizeMismatch};
+use super::object::{KnownObject, ObjectDistance, Query};
+use super::options::{Distance, ObjectOptions, Stages};
 use super::recognition::{Candidate, Decision, Recognition, Warning};
-use crate::eigen::{ClassCovariance, Eigenspace, Vicinity, Way};
+use crate::eigen::{ClassCovariance, EigenError, Eigenspace, RadiusIndex};
 use crate::imaging::{Frame, Image};
 use crate::vision::segmentation::{Region, Segmentation};
 
-/// Objects that are looked at closely. On 20 objects and 12 dimensions the right one is always among the first three.
+/// Objects that are compared in their own eigenspaces. On 20 objects and 12 dimensions the right one is always among
+/// the first three.
 pub(super) const CANDIDATES: usize = 5;
-/// An answer is doubted when the next object is not farther than so many times.
+/// A warning is given when the next object is not farther than so many times.
 const CLOSE_SECOND: f64 = 1.1;
 
 /// The steps of a recognition, in their order.
@@ -21,7 +22,7 @@ pub enum Stage {
     Appearance,
     /// Projection into the universal eigenspace, and the eigenpoints near.
     Universal,
-    /// The likeliest objects' own eigenspaces: which, and how turned.
+    /// The likeliest objects' own eigenspaces: which object, and its pose.
     Object,
 }
 
@@ -32,38 +33,71 @@ pub struct ViewName {
     pub id: String,
     /// The object shown.
     pub label: String,
-    /// How it is turned, in [0, 360).
+    /// Turn about the vertical, in [0, 360).
     pub pose_deg: Option<f64>,
 }
 
 /// A trained object database.
 pub struct Objects {
     pub(super) options: ObjectOptions,
-    pub(super) canvas: Canvas,
+    pub(super) normaliser: Normaliser,
     /// Sorted by label, then pose, then id.
-    pub(super) names: Vec<ViewName>,
+    pub(super) views: Vec<ViewName>,
     pub(super) universal: Eigenspace,
-    pub(super) vicinity: Vicinity,
+    pub(super) radius_index: RadiusIndex,
     /// Index of the object of each view.
-    pub(super) owner: Vec<usize>,
+    pub(super) object_of_view: Vec<usize>,
     /// By label, ascending.
     pub(super) objects: Vec<KnownObject>,
     /// As `objects`, if they are ordered by B(15).
     pub(super) covariances: Option<Vec<ClassCovariance>>,
-    pub(super) calibration: Option<Calibration>,
+    pub(super) acceptance: Option<Acceptance>,
 }
 
-/// The way that an option names.
-pub(super) fn way(search: Search) -> Way {
-    match search {
-        Search::KdTree => Way::KdTree,
-        Search::Slabs => Way::Slabs,
-        Search::Exhaustive => Way::Exhaustive,
+/// An object and the distance of a query from it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearObject {
+    pub object: usize,
+    pub distance: f64,
+}
+
+impl NearObject {
+    pub fn by_distance(a: &NearObject, b: &NearObject) -> std::cmp::Ordering {
+        a.distance.total_cmp(&b.distance)
+    }
+}
+
+/// The objects that the universal eigenspace proposes.
+struct Shortlist {
+    /// The likeliest first, [`CANDIDATES`] at most; with their Mahalanobis distances if they are ordered by these.
+    objects: Vec<NearObject>,
+    /// Whether any has a view within the radius of acceptance.
+    is_near: bool,
+}
+
+/// An object of the shortlist, compared in its own eigenspace.
+struct RankedObject {
+    object: usize,
+    mahalanobis: Option<f64>,
+    distance: ObjectDistance,
+}
+
+/// B(15): the covariance of each object's eigenpoints, if the option asks for it. `points` are views × dimension.
+pub(super) fn class_covariances(
+    distance: Distance,
+    points: &[f32],
+    object_of_view: &[usize],
+    objects: usize,
+) -> Result<Option<Vec<ClassCovariance>>, EigenError> {
+    let dimension = points.len() / object_of_view.len();
+    match distance {
+        Distance::Euclidean => Ok(None),
+        Distance::Mahalanobis => ClassCovariance::fit(points, dimension, object_of_view, objects).map(Some),
     }
 }
 
 impl Objects {
-    /// Recognise a picture. `finished` is told the end of each stage: the caller holds the clock.
+    /// Recognise a picture. Calls `finished` after each stage.
     ///
     /// # Errors
     /// [`SizeMismatch`] if the picture is of another size and `resize` is `never`.
@@ -72,14 +106,14 @@ impl Objects {
         frame: &Frame,
         mut finished: impl FnMut(Stage),
     ) -> Result<Recognition, SizeMismatch> {
-        let appearance = self.canvas.appearance(frame)?; // B(7)
+        let appearance = self.normaliser.appearance(frame)?; // B(7)
         finished(Stage::Appearance);
         let blank = if self.options.segment { Warning::NoRegion } else { Warning::Blank };
         Ok(self.recognise_appearance(&appearance, blank, finished))
     }
 
-    /// Recognise a region of a picture, cut out by the recipe that `segment` names for exemplars. `finished` as in
-    /// [`Objects::recognise`].
+    /// Recognise a region of a picture, cropped and normalised as exemplars are with `segment`. Calls `finished` after
+    /// each stage.
     pub fn recognise_region(
         &self,
         luminance: &Image,
@@ -87,123 +121,122 @@ impl Objects {
         region: &Region,
         mut finished: impl FnMut(Stage),
     ) -> Recognition {
-        let appearance = self.canvas.region_appearance(luminance, segmentation, region); // B(7)
+        let appearance = self.normaliser.region_appearance(luminance, segmentation, region); // B(7)
         finished(Stage::Appearance);
         self.recognise_appearance(&appearance, Warning::Blank, finished)
     }
 
-    /// `blank` says why an appearance is blank, if it is.
+    /// `blank` is the warning for a blank appearance.
     fn recognise_appearance(
         &self,
         appearance: &Appearance,
         blank: Warning,
         mut finished: impl FnMut(Stage),
     ) -> Recognition {
-        let doubts = [
-            (appearance.resized, Warning::Resized),
-            (appearance.touches_border, Warning::TouchesBorder),
-            (appearance.crowded, Warning::SeveralRegions),
-            (appearance.over_exposed, Warning::OverExposed),
-            (appearance.is_blank(), blank),
-        ];
-        let mut warnings: Vec<Warning> =
-            doubts.into_iter().filter(|(is_so, _)| *is_so).map(|(_, warning)| warning).collect();
+        let mut warnings = appearance.warnings();
         if appearance.is_blank() {
+            warnings.push(blank);
             return Recognition { decision: None, candidates: Vec::new(), warnings };
         }
-
-        let (point, outside) = self.universal.locate(&appearance.vector); // B(13)
-        let (likeliest, is_near) = self.likeliest(&point);
+        let query = Query::new(&self.universal, &appearance.vector); // B(13)
+        let shortlist = self.shortlist(&query.point); // B(14), B(15)
         finished(Stage::Universal);
-
-        let mut close: Vec<(usize, Option<f64>, Closeness)> = likeliest
-            .into_iter()
-            .map(|(object, mahalanobis)| {
-                let closeness = self.objects[object].closeness(&appearance.vector, (&point, outside));
-                (object, mahalanobis, closeness)
-            })
-            .collect();
-        if !self.order_stands() {
-            close.sort_by(|a, b| a.2.total().total_cmp(&b.2.total()));
-        }
-        let decision = close.first().and_then(|(object, _, closeness)| {
-            let accepted =
-                is_near && self.threshold(*object).is_none_or(|threshold| closeness.total() <= threshold); // B(16)
-            accepted.then(|| self.decide(*object, closeness))
-        });
-        if decision.is_none() {
-            warnings.push(Warning::BeyondThreshold);
-        }
-        if let [first, second, ..] = &close[..]
-            && second.2.total() <= CLOSE_SECOND * first.2.total()
-        {
-            warnings.push(Warning::CloseSecond);
-        }
-        if self.calibration.is_none() {
-            warnings.push(Warning::NotCalibrated);
-        }
-        let candidates = close.into_iter().map(|(object, mahalanobis, closeness)| Candidate {
-            label: self.objects[object].label.clone(),
-            distance_in_space: closeness.in_space,
-            distance_from_space: closeness.from_space,
-            threshold: self.threshold(object),
-            mahalanobis,
-        });
-        let recognition = Recognition { decision, candidates: candidates.collect(), warnings };
+        let ranked = self.rank(&query, &shortlist);
+        let accepted = ranked.first().filter(|best| shortlist.is_near && self.accepts(best)); // B(16)
+        warnings.extend(self.doubts(&ranked, accepted.is_some()));
+        let recognition = Recognition {
+            decision: accepted.map(|best| self.decide(best)),
+            candidates: ranked.iter().map(|object| self.candidate(object)).collect(),
+            warnings,
+        };
         finished(Stage::Object);
         recognition
     }
 
-    /// The objects to look at closely, the likeliest first, and whether any has a view within the radius.
-    fn likeliest(&self, point: &[f32]) -> (Vec<(usize, Option<f64>)>, bool) {
-        let radius = self.calibration.as_ref().map_or(f64::INFINITY, |calibration| calibration.radius);
-        let near = self.vicinity.within(point, radius); // B(16)
+    fn shortlist(&self, point: &[f32]) -> Shortlist {
+        let radius = self.acceptance.as_ref().map_or(f64::INFINITY, |acceptance| acceptance.radius);
+        let near = self.radius_index.within(point, radius); // B(16)
         let is_near = !near.is_empty();
-        // the evidence is given even where nothing is near
-        let near = if is_near { near } else { self.vicinity.within(point, f64::INFINITY) };
+        // candidates are given even where nothing is near
+        let near = if is_near { near } else { self.radius_index.within(point, f64::INFINITY) };
         let mut seen = vec![false; self.objects.len()];
-        let owners = near.iter().map(|neighbour| self.owner[neighbour.index]);
-        let mut found: Vec<(usize, f64)> = owners
+        let mut objects: Vec<NearObject> = near
+            .iter()
+            .map(|neighbour| self.object_of_view[neighbour.index])
             .filter(|&object| !std::mem::replace(&mut seen[object], true)) // B(14)
-            .map(|object| (object, 0.0))
+            .map(|object| NearObject { object, distance: 0.0 })
             .collect();
-        self.order_by_covariance(&mut found, point);
-        found.truncate(CANDIDATES);
-        let is_measured = self.covariances.is_some();
-        let found = found.into_iter().map(|(object, at)| (object, is_measured.then_some(at)));
-        (found.collect(), is_near)
+        self.order_by_covariance(&mut objects, point);
+        objects.truncate(CANDIDATES);
+        Shortlist { objects, is_near }
     }
 
-    /// B(15): with `distance: "mahalanobis"` objects are ordered by it, and each gets its distance.
-    pub(super) fn order_by_covariance(&self, found: &mut [(usize, f64)], point: &[f32]) {
+    /// B(15): with `distance: "mahalanobis"`, set the distances of objects to it and sort them by it.
+    pub(super) fn order_by_covariance(&self, objects: &mut [NearObject], point: &[f32]) {
         if let Some(covariances) = &self.covariances {
-            found.iter_mut().for_each(|(object, at)| *at = covariances[*object].distance(point));
-            found.sort_by(|a, b| a.1.total_cmp(&b.1));
+            objects.iter_mut().for_each(|near| near.distance = covariances[near.object].distance(point));
+            objects.sort_by(NearObject::by_distance);
         }
     }
 
     /// B§6: whether that order decides, with the universal eigenspace alone.
-    pub(super) fn order_stands(&self) -> bool {
+    pub(super) fn covariance_decides(&self) -> bool {
         self.options.stages == Stages::UniversalOnly && self.covariances.is_some()
+    }
+
+    /// The objects of the shortlist, the one that is answered first.
+    fn rank(&self, query: &Query, shortlist: &Shortlist) -> Vec<RankedObject> {
+        let ranked = |near: &NearObject| RankedObject {
+            object: near.object,
+            mahalanobis: self.covariances.is_some().then_some(near.distance),
+            distance: self.objects[near.object].distance(query),
+        };
+        let mut ranking: Vec<RankedObject> = shortlist.objects.iter().map(ranked).collect();
+        if !self.covariance_decides() {
+            ranking.sort_by(|a, b| a.distance.total().total_cmp(&b.distance.total()));
+        }
+        ranking
+    }
+
+    fn accepts(&self, ranked: &RankedObject) -> bool {
+        self.threshold(ranked.object).is_none_or(|threshold| ranked.distance.total() <= threshold)
     }
 
     /// B(16): the largest total distance that is accepted as an object.
     pub(super) fn threshold(&self, object: usize) -> Option<f64> {
-        Some(self.calibration.as_ref()?.threshold * self.root_scale(object))
+        Some(self.acceptance.as_ref()?.threshold * self.objects[object].root_scale())
     }
 
-    /// What distances from an object are measured by.
-    fn root_scale(&self, object: usize) -> f64 {
-        self.objects[object].scale.map_or(1.0, f64::sqrt)
+    fn doubts(&self, ranking: &[RankedObject], is_accepted: bool) -> impl Iterator<Item = Warning> {
+        let is_close = match ranking {
+            [first, second, ..] => second.distance.total() <= CLOSE_SECOND * first.distance.total(),
+            _ => false,
+        };
+        let doubts = [
+            (!is_accepted).then_some(Warning::BeyondThreshold),
+            is_close.then_some(Warning::CloseSecond),
+            self.acceptance.is_none().then_some(Warning::NotCalibrated),
+        ];
+        doubts.into_iter().flatten()
     }
 
-    fn decide(&self, object: usize, closeness: &Closeness) -> Decision {
-        let known = &self.objects[object];
-        let evidence = (closeness.total().max(f64::MIN_POSITIVE) / self.root_scale(object)).ln();
-        let calibration = self.calibration.as_ref();
-        let confidence = calibration.and_then(|c| c.confidence).map(|logistic| logistic.at(evidence));
-        let pose = calibration.and_then(|c| known.pose(closeness, c.angle_part, c.shrink));
-        Decision { label: known.label.clone(), confidence, pose }
+    fn decide(&self, best: &RankedObject) -> Decision {
+        let object = &self.objects[best.object];
+        let evidence = (best.distance.total().max(f64::MIN_POSITIVE) / object.root_scale()).ln();
+        let acceptance = self.acceptance.as_ref();
+        let confidence = acceptance.and_then(|a| a.confidence).map(|logistic| logistic.at(evidence));
+        let pose = acceptance.and_then(|a| object.pose(&best.distance, a.tangential_part, a.distance_ratio));
+        Decision { label: object.label.clone(), confidence, pose }
+    }
+
+    fn candidate(&self, ranked: &RankedObject) -> Candidate {
+        Candidate {
+            label: self.objects[ranked.object].label.clone(),
+            distance_in_space: ranked.distance.in_space,
+            distance_from_space: ranked.distance.from_space,
+            threshold: self.threshold(ranked.object),
+            mahalanobis: ranked.mahalanobis,
+        }
     }
 
     /// The options it was trained with.
@@ -218,7 +251,7 @@ impl Objects {
 
     /// Training views, sorted by label, then pose, then id.
     pub fn views(&self) -> &[ViewName] {
-        &self.names
+        &self.views
     }
 
     /// The different labels, ascending.
@@ -230,7 +263,7 @@ impl Objects {
     pub fn mean_picture(&self) -> Image {
         let mean = &self.universal.mean;
         let brightest = mean.iter().fold(f32::MIN_POSITIVE, |most, &v| most.max(v));
-        self.picture(mean.iter().map(|v| 255.0 * v.max(0.0) / brightest))
+        self.normaliser.picture(mean.iter().map(|v| 255.0 * v.max(0.0) / brightest))
     }
 
     /// Eigenimage `i` of the universal eigenspace, counted from 0, as a picture of samples; zero is mid-gray.
@@ -238,33 +271,30 @@ impl Objects {
     pub fn eigenimage(&self, i: usize) -> Option<Image> {
         let row = self.universal.basis.chunks_exact(self.universal.length()).nth(i)?;
         let most = row.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs()));
-        Some(self.picture(row.iter().map(|v| 127.5 * (1.0 + v / most))))
-    }
-
-    pub(super) fn picture(&self, pixels: impl Iterator<Item = f32>) -> Image {
-        let (width, height) = self.canvas.samples();
-        Image::new(width, height, pixels.collect())
+        Some(self.normaliser.picture(row.iter().map(|v| 127.5 * (1.0 + v / most))))
     }
 
     /// Memory held, to within what an allocator adds.
     pub fn bytes(&self) -> usize {
-        let names: usize =
-            self.names.iter().map(|n| size_of::<ViewName>() + n.id.len() + n.label.len()).sum();
+        let views: usize =
+            self.views.iter().map(|n| size_of::<ViewName>() + n.id.len() + n.label.len()).sum();
         let universal = 4 * (self.universal.mean.len() + self.universal.basis.len());
         let objects: usize = self.objects.iter().map(KnownObject::bytes).sum();
         let covariances = self.covariances.as_ref().map_or(0, |c| c.len() * 8 * self.dimension().pow(2));
-        size_of::<Objects>() + names + universal + self.vicinity.bytes() + objects + covariances
+        size_of::<Objects>() + views + universal + self.radius_index.bytes() + objects + covariances
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{canvas, noisy, thing, turntable, vase, view};
-    use super::super::{Distance, Resize, View};
+    use super::super::test_pictures::{noisy, normaliser, thing, turntable, vase, view};
+    use super::super::{Resize, View, train};
     use super::*;
+    use crate::angle::angular_distance_deg;
+    use crate::eigen::Search;
 
     fn trained(views: Vec<View>, options: &ObjectOptions) -> Objects {
-        Objects::train(views, &canvas(options), options).unwrap().0
+        train(views, &normaliser(options), options).unwrap().0
     }
 
     fn asked(model: &Objects, frame: &Frame) -> Recognition {
@@ -281,7 +311,7 @@ mod tests {
                 right += usize::from(decision.label == format!("thing{seed}"));
                 let pose = decision.pose.unwrap();
                 assert!(pose.reliable && pose.alternative_deg.is_none(), "{pose:?}");
-                worst = worst.max(super::super::manifold::apart_deg(pose.turn_deg, turn));
+                worst = worst.max(angular_distance_deg(pose.turn_deg, turn));
             }
         }
         (right, worst)
@@ -344,7 +374,7 @@ mod tests {
         let mut views = turntable(3, 15, &options);
         for pose in (0..360).step_by(15) {
             let frame = noisy(&vase(), 1.0, 5000 + pose);
-            views.push(view(&canvas(&options), "vase", Some(pose as f64), &frame));
+            views.push(view(&normaliser(&options), "vase", Some(pose as f64), &frame));
         }
         let model = trained(views, &options);
         for seed in 0..10 {
@@ -363,12 +393,12 @@ mod tests {
         for pose in (0..360).step_by(10) {
             // the same after half a turn
             let frame = noisy(&thing(7, 2.0 * pose as f64), 0.5, 400 + pose);
-            views.push(view(&canvas(&options), "twofold", Some(pose as f64), &frame));
+            views.push(view(&normaliser(&options), "twofold", Some(pose as f64), &frame));
         }
         let model = trained(views, &options);
         let pose = asked(&model, &thing(7, 2.0 * 44.0)).decision.unwrap().pose.unwrap();
         let (a, b) = (pose.turn_deg, pose.alternative_deg.expect("another pose"));
-        let apart = |x: f64, y: f64| super::super::manifold::apart_deg(x, y);
+        let apart = angular_distance_deg;
         assert!(apart(a, b) > 175.0 && apart(a % 180.0, 44.0) < 2.0, "{pose:?}");
         assert!(!pose.reliable);
     }

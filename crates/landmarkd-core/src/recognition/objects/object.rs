@@ -1,20 +1,36 @@
 //! One known object: its eigenspace, its views there, and the curve through those that have a pose.
 
-use super::manifold::{Foot, Manifold, different, wide_gaps};
+use super::manifold::{CurveProjection, DistinctPoses, Manifold, wide_gaps};
+use super::parts::ObjectPart;
 use super::recognition::Pose;
 use crate::eigen::Eigenspace;
 
-/// B§6: fewer views give no pose to rely on.
-const LEAST_VIEWS: usize = 10;
-/// A pose is relied on up to this: then 2.5 of them lie within 5°.
-const MOST_SIGMA_DEG: f64 = 2.0;
+/// B§6: fewer views give no reliable pose.
+const MIN_VIEWS: usize = 10;
+/// A pose with a larger standard deviation is not reliable: 2.5 of it lie within 5°.
+const MAX_SIGMA_DEG: f64 = 2.0;
 /// Another pose is an alternative if its distance is at most so many times that of the nearest.
 const AMBIGUOUS: f64 = 1.2;
-/// Between two views a pose is never known better than to this part of the gap: a view that is left out stands in
-/// the middle of its neighbours, where an interpolation's errors cancel.
-const FINEST_PART: f64 = 0.01;
-/// No more is known about a pose than that it is one.
+/// Between two views the standard deviation is at least this part of the gap: a view that is left out lies in the
+/// middle of its neighbours, where an interpolation's errors cancel.
+const MIN_SIGMA_OF_GAP: f64 = 0.01;
+/// The standard deviation of a pose about which nothing is known.
 const UNKNOWN_DEG: f64 = 180.0;
+
+/// An appearance, located in the universal eigenspace (B(13)).
+pub(super) struct Query<'a> {
+    pub vector: &'a [f32],
+    /// Its eigenpoint.
+    pub point: Vec<f32>,
+    pub distance_from_space: f64,
+}
+
+impl<'a> Query<'a> {
+    pub fn new(universal: &Eigenspace, vector: &'a [f32]) -> Query<'a> {
+        let (point, distance_from_space) = universal.locate(vector);
+        Query { vector, point, distance_from_space }
+    }
+}
 
 /// Views of an object as eigenpoints, in whatever space.
 #[derive(Clone, Debug)]
@@ -25,76 +41,88 @@ pub(super) struct ViewSet {
     /// Through the eigenpoints at these poses; of several at one pose their mean.
     manifold: Option<Manifold>,
     /// Eigenpoints of views that are not on a manifold, n × dimension.
-    loose: Vec<f32>,
+    isolated: Vec<f32>,
 }
 
-/// How near a picture is to an object.
+/// The distance of a picture from an object.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Closeness {
+pub(super) struct ObjectDistance {
+    /// From the nearest view or point of the manifold, in the eigenspace.
     pub in_space: f64,
     pub from_space: f64,
-    /// The nearest point of the manifold, and the nearest that is another pose.
-    pub feet: Option<(Foot, Option<Foot>)>,
+    /// The nearest points of the manifold, if there is one.
+    pub on_curve: Option<CurveProjection>,
 }
 
-impl Closeness {
+impl ObjectDistance {
     /// The distance between the pictures: √(in² + from²).
     pub fn total(&self) -> f64 {
         self.in_space.hypot(self.from_space)
     }
 }
 
+/// ‖a − b‖
+pub(super) fn euclidean_distance(a: &[f32], b: &[f32]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The distance of a point from the curve between two neighbouring views.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GapDistance {
+    pub distance: f64,
+    /// Between the two views.
+    pub gap_deg: f64,
+}
+
 impl ViewSet {
     /// Of n × `dimension` eigenpoints and their poses.
     pub fn new(points: &[f32], poses_deg: &[Option<f64>], dimension: usize) -> ViewSet {
         let point = |view: usize| &points[view * dimension..][..dimension];
-        let (poses, which) = different(poses_deg);
+        let DistinctPoses { poses_deg: poses, of_view } = DistinctPoses::of(poses_deg);
         let mut knots = Vec::with_capacity(poses.len() * dimension);
-        for number in 0..poses.len() {
-            let same: Vec<usize> = (0..which.len()).filter(|&view| which[view] == Some(number)).collect();
+        for index in 0..poses.len() {
+            let same: Vec<usize> = (0..of_view.len()).filter(|&view| of_view[view] == Some(index)).collect();
             knots.extend((0..dimension).map(|k| {
                 let sum: f64 = same.iter().map(|&view| f64::from(point(view)[k])).sum();
                 (sum / same.len() as f64) as f32
             }));
         }
         let manifold = Manifold::through(&poses, &knots, dimension);
-        let is_loose = |view: &usize| manifold.is_none() || poses_deg[*view].is_none();
-        let loose = (0..poses_deg.len()).filter(is_loose).flat_map(point).copied().collect();
-        ViewSet { dimension, poses_deg: poses, manifold, loose }
+        let is_isolated = |view: &usize| manifold.is_none() || poses_deg[*view].is_none();
+        let isolated = (0..poses_deg.len()).filter(is_isolated).flat_map(point).copied().collect();
+        ViewSet { dimension, poses_deg: poses, manifold, isolated }
     }
 
-    /// How near a point of the space is that lies `from_space` outside of it.
-    pub fn closeness(&self, point: &[f32], from_space: f64) -> Closeness {
-        let feet = self.manifold.as_ref().map(|manifold| manifold.nearest(point));
-        // without a coordinate all views stand at the mean
-        let alone = if self.dimension == 0 { 0.0 } else { f64::INFINITY };
-        let loose = self.loose.chunks_exact(self.dimension.max(1)).map(|view| {
-            let pairs = view.iter().zip(point);
-            pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
-        });
-        let nearest = loose.fold(alone, f64::min);
-        let in_space = feet.map_or(nearest, |(foot, _)| foot.distance.min(nearest));
-        Closeness { in_space, from_space, feet }
+    /// The distance of a point of the space, which is the projection of a picture `from_space` away from it.
+    pub fn distance(&self, point: &[f32], from_space: f64) -> ObjectDistance {
+        let on_curve = self.manifold.as_ref().map(|manifold| manifold.project(point));
+        // without a coordinate all views are the mean
+        let at_mean = if self.dimension == 0 { 0.0 } else { f64::INFINITY };
+        let isolated = self.isolated.chunks_exact(self.dimension.max(1));
+        let nearest = isolated.map(|view| euclidean_distance(view, point)).fold(at_mean, f64::min);
+        let in_space = on_curve.map_or(nearest, |curve| curve.nearest.distance.min(nearest));
+        ObjectDistance { in_space, from_space, on_curve }
     }
 
-    /// Which of the poses stand before and after a pose; `None` without any.
-    fn about(&self, pose_deg: f64) -> Option<(usize, usize)> {
+    /// Indices of the poses before and after a pose; `None` without any.
+    fn neighbours(&self, pose_deg: f64) -> Option<(usize, usize)> {
         let count = self.poses_deg.len();
         let after = self.poses_deg.partition_point(|&pose| pose < pose_deg);
         (count > 0).then(|| ((after + count - 1) % count, after % count))
     }
 
-    /// How far a point is from the curve between the views before and after a pose, and how wide that gap is: what
-    /// interpolation misses there, though the object may look much the same elsewhere.
-    pub fn distance_in_gap(&self, point: &[f32], from_space: f64, pose_deg: f64) -> Option<(f64, f64)> {
-        let (before, after) = self.about(pose_deg)?;
+    /// The distance of a point from the curve between the views before and after a pose: the error of interpolation
+    /// there, though the object may look much the same elsewhere.
+    pub fn distance_in_gap(&self, point: &[f32], from_space: f64, pose_deg: f64) -> Option<GapDistance> {
+        let (before, after) = self.neighbours(pose_deg)?;
         let (from_deg, to_deg) = (self.poses_deg[before], self.poses_deg[after]);
-        let foot = self.manifold.as_ref()?.nearest_between(point, from_deg, to_deg)?;
-        Some((foot.distance.hypot(from_space), (to_deg - from_deg).rem_euclid(360.0)))
+        let nearest = self.manifold.as_ref()?.nearest_between(point, from_deg, to_deg)?;
+        let gap_deg = (to_deg - from_deg).rem_euclid(360.0);
+        Some(GapDistance { distance: nearest.distance.hypot(from_space), gap_deg })
     }
 
     pub fn bytes(&self) -> usize {
-        8 * self.poses_deg.len() + self.manifold.as_ref().map_or(0, Manifold::bytes) + 4 * self.loose.len()
+        8 * self.poses_deg.len() + self.manifold.as_ref().map_or(0, Manifold::bytes) + 4 * self.isolated.len()
     }
 }
 
@@ -102,80 +130,78 @@ impl ViewSet {
 #[derive(Clone, Debug)]
 pub(super) struct KnownObject {
     pub label: String,
-    /// Its own eigenspace; `None`: the universal one.
-    pub space: Option<Eigenspace>,
+    pub part: ObjectPart,
+    /// In its own eigenspace or the universal one.
     pub views: ViewSet,
-    /// How far a held-out view was from the others: root mean square. `None` if there is one view.
-    pub scale: Option<f64>,
-    /// How far the usual query is, as held-out views lead one to expect.
-    pub usual: f64,
-    /// By how much the pose of a view was missed when the views at that pose were left out; as `views.poses_deg`, or
-    /// empty.
-    pub held_out_deg: Vec<f64>,
-    /// The eigenpoints of all its views in its own space or the universal one, in their order.
-    pub points: Vec<f32>,
 }
 
 impl KnownObject {
-    /// How near an appearance is. `universal` is its eigenpoint and distance from the universal eigenspace.
-    pub fn closeness(&self, vector: &[f32], universal: (&[f32], f64)) -> Closeness {
-        match &self.space {
-            None => self.views.closeness(universal.0, universal.1),
+    /// The distance of a query.
+    pub fn distance(&self, query: &Query) -> ObjectDistance {
+        match &self.part.space {
+            None => self.views.distance(&query.point, query.distance_from_space),
             Some(space) => {
-                let (point, outside) = space.locate(vector);
-                self.views.closeness(&point, outside)
+                let (point, from_space) = space.locate(query.vector);
+                self.views.distance(&point, from_space)
             }
         }
     }
 
-    /// The pose that a closeness tells. `angle_part` is the part of the residual that turns the pose, `shrink` how
-    /// much nearer a query is than a held-out view.
-    pub fn pose(&self, closeness: &Closeness, angle_part: f64, shrink: f64) -> Option<Pose> {
-        let (foot, second) = closeness.feet?;
-        let turn_deg = foot.turn_deg;
-        // a lucky residual is no knowledge
-        let residual = foot.distance.hypot(closeness.from_space).max(self.usual);
-        let by_residual = angle_part * residual / foot.speed_per_deg;
-        // nearer to a view without a pose than to the curve
-        let is_elsewhere = closeness.in_space < foot.distance;
-        let sigma_deg = match self.held_out_about(turn_deg) {
-            Some((held_out_deg, gap_deg)) if by_residual.is_finite() => {
-                by_residual.max(shrink * held_out_deg).max(FINEST_PART * gap_deg)
-            }
+    /// Distances from the object are judged relative to this.
+    pub fn root_scale(&self) -> f64 {
+        self.part.scale.map_or(1.0, f64::sqrt)
+    }
+
+    /// The pose at a distance. `tangential_part` and `distance_ratio` are those of the database's
+    /// [`Acceptance`](super::acceptance::Acceptance).
+    pub fn pose(&self, distance: &ObjectDistance, tangential_part: f64, distance_ratio: f64) -> Option<Pose> {
+        let CurveProjection { nearest, second } = distance.on_curve?;
+        let turn_deg = nearest.turn_deg;
+        // a small residual may be chance
+        let residual = nearest.distance.hypot(distance.from_space).max(self.part.typical_distance);
+        let by_residual = tangential_part * residual / nearest.speed_per_deg;
+        let sigma_deg = match self.held_out_sigma_deg(turn_deg, distance_ratio) {
+            Some(held_out_deg) if by_residual.is_finite() => by_residual.max(held_out_deg),
             _ => UNKNOWN_DEG,
         };
         let alternative_deg = second
-            .filter(|second| second.distance.hypot(closeness.from_space) <= AMBIGUOUS * residual)
+            .filter(|second| second.distance.hypot(distance.from_space) <= AMBIGUOUS * residual)
             .map(|second| second.turn_deg);
-        let in_gap = wide_gaps(&self.views.poses_deg).into_iter().any(|(from, to)| {
-            (turn_deg - from).rem_euclid(360.0) < (to - from).rem_euclid(360.0) && turn_deg != from
-        });
-        let reliable = self.views.poses_deg.len() >= LEAST_VIEWS
-            && sigma_deg <= MOST_SIGMA_DEG
+        // a view without a pose may be nearer than the curve
+        let is_on_curve = distance.in_space >= nearest.distance;
+        let reliable = self.views.poses_deg.len() >= MIN_VIEWS
+            && sigma_deg <= MAX_SIGMA_DEG
             && alternative_deg.is_none()
-            && !in_gap
-            && !is_elsewhere
-            && !foot.at_end;
+            && !self.is_in_wide_gap(turn_deg)
+            && is_on_curve
+            && !nearest.at_end;
         Some(Pose { turn_deg, sigma_deg: sigma_deg.min(UNKNOWN_DEG), reliable, alternative_deg })
     }
 
-    /// The larger of the held-out errors of the views on both sides of a pose, and how far apart these are.
-    fn held_out_about(&self, turn_deg: f64) -> Option<(f64, f64)> {
-        if self.held_out_deg.is_empty() {
+    fn is_in_wide_gap(&self, turn_deg: f64) -> bool {
+        wide_gaps(&self.views.poses_deg).into_iter().any(|gap| {
+            let width_deg = (gap.to_deg - gap.from_deg).rem_euclid(360.0);
+            (turn_deg - gap.from_deg).rem_euclid(360.0) < width_deg && turn_deg != gap.from_deg
+        })
+    }
+
+    /// The larger of the held-out errors of the views on both sides of a pose, as a query has it, and no less than a
+    /// part of the gap between them.
+    fn held_out_sigma_deg(&self, turn_deg: f64, distance_ratio: f64) -> Option<f64> {
+        let errors_deg = &self.part.held_out_deg;
+        if errors_deg.is_empty() {
             return None;
         }
-        let (before, after) = self.views.about(turn_deg)?;
+        let (before, after) = self.views.neighbours(turn_deg)?;
         let gap_deg = (self.views.poses_deg[after] - self.views.poses_deg[before]).rem_euclid(360.0);
-        Some((self.held_out_deg[after].max(self.held_out_deg[before]), gap_deg))
+        let error_deg = errors_deg[after].max(errors_deg[before]);
+        Some((distance_ratio * error_deg).max(MIN_SIGMA_OF_GAP * gap_deg))
     }
 
     pub fn bytes(&self) -> usize {
-        let space = self.space.as_ref().map_or(0, |space| 4 * (space.mean.len() + space.basis.len()));
-        self.label.len()
-            + space
-            + self.views.bytes()
-            + 8 * self.held_out_deg.len()
-            + 4 * self.points.len()
-            + size_of::<Self>()
+        let ObjectPart { space, eigenpoints, held_out_deg, .. } = &self.part;
+        let space = space.as_ref().map_or(0, |space| 4 * (space.mean.len() + space.basis.len()));
+        let numbers = space + 4 * eigenpoints.len() + 8 * held_out_deg.len();
+        size_of::<Self>() + self.label.len() + self.views.bytes() + numbers
     }
 }

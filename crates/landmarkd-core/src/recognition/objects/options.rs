@@ -1,13 +1,14 @@
 //! The options of an object database; each says where the text of paper B has it.
 
+pub use crate::eigen::Search;
 use crate::recognition::OptionFault;
 
-/// What becomes of a picture that is not of the database's size.
+/// What to do with a picture that is not of the database's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resize {
-    /// It is scaled to fit, centred on black, and the answer or report says so.
+    /// Scale it to fit, centred on black; the answer or report warns.
     Fit,
-    /// It is refused.
+    /// Refuse it.
     Never,
 }
 
@@ -23,24 +24,13 @@ pub enum Dimension {
 /// Which eigenspaces answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stages {
-    /// B§5: the universal eigenspace proposes objects, each one's own eigenspace settles which, and how turned.
+    /// B§5: the universal eigenspace proposes objects, their own eigenspaces decide which it is, and its pose.
     UniversalThenObject,
     /// B§6: the universal eigenspace alone, for small sets.
     UniversalOnly,
 }
 
-/// How the eigenpoints near a query are found; the answers are the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Search {
-    /// A k-d tree: the fastest up to some ten thousand views.
-    KdTree,
-    /// B Fig. 8 (Nene and Nayar): sorted coordinates, cut by two hyperplanes an axis.
-    Slabs,
-    /// All of them.
-    Exhaustive,
-}
-
-/// By what the universal eigenspace orders objects.
+/// The distance by which the universal eigenspace orders objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distance {
     /// B(14): the distance to an object's nearest eigenpoint.
@@ -57,9 +47,9 @@ pub struct ObjectOptions {
     pub width_px: Option<usize>,
     /// As `width_px`.
     pub height_px: Option<usize>,
-    /// What becomes of a picture of another size.
+    /// What to do with a picture of another size.
     pub resize: Resize,
-    /// Whether the object is cut out of its picture first: the largest region that stands out from the background, in
+    /// Whether the object is cropped from its picture first: the largest region that stands out from the background, in
     /// the square about its centroid, on black (B§3). Pictures are then square, of 128 px unless a size is given.
     pub segment: bool,
     /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side, 0..=0.1.
@@ -69,9 +59,9 @@ pub struct ObjectOptions {
     pub dimension: Dimension,
     /// Which eigenspaces answer.
     pub stages: Stages,
-    /// How eigenpoints are found.
+    /// The search for eigenpoints.
     pub search: Search,
-    /// By what objects are ordered.
+    /// The distance by which objects are ordered.
     pub distance: Distance,
     /// Part of the known objects that is to be accepted, 0.5..=0.9999 (B(16) leaves the threshold open).
     pub accept: f64,

@@ -1,4 +1,4 @@
-//! A trained object database as plain vectors, and back: what an artifact file holds.
+//! A trained object database as plain vectors, and back: the contents of an artifact file.
 //!
 //! The vectors may come from anywhere: every length, index, order and number is checked.
 
@@ -6,24 +6,26 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
-use super::appearance::Canvas;
-use super::calibration::Calibration;
-use super::model::{Objects, ViewName, way};
+use super::acceptance::Acceptance;
+use super::appearance::Normaliser;
+use super::model::{Objects, ViewName, class_covariances};
 use super::object::{KnownObject, ViewSet};
-use super::options::{Distance, MAX_DIMENSION, MAX_SIDE_PX, ObjectOptions, Stages};
+use super::options::{MAX_DIMENSION, MAX_SIDE_PX, ObjectOptions, Stages};
 use super::training::AUTO_DIMENSION;
-use crate::eigen::{ClassCovariance, EigenError, Eigenspace, Vicinity};
+use crate::eigen::{EigenError, Eigenspace, RadiusIndex};
 use crate::recognition::OptionFault;
 
 /// No number of a trained database is larger: pictures have energy one. Squares and sums of such numbers stay finite.
 const LARGEST: f64 = 1e6;
 
-/// All that a trained object database is made of.
+/// A trained object database as plain vectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectParts {
+    /// The options it was trained with.
     pub options: ObjectOptions,
-    /// Size of the database's pictures.
+    /// Width of the database's pictures.
     pub width_px: usize,
+    /// Height of the database's pictures.
     pub height_px: usize,
     /// Sorted by label, then pose (none last), then id.
     pub views: Vec<ViewName>,
@@ -33,11 +35,12 @@ pub struct ObjectParts {
     pub eigenpoints: Vec<f32>,
     /// One for each label, ascending.
     pub objects: Vec<ObjectPart>,
-    pub calibration: Option<Calibration>,
+    /// `None` if no object has two views.
+    pub acceptance: Option<Acceptance>,
 }
 
-/// What one object is made of.
-#[derive(Clone, Debug, PartialEq)]
+/// One object as plain vectors.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectPart {
     /// Its own eigenspace, its dimension perhaps 0; `None` with [`Stages::UniversalOnly`].
     pub space: Option<Eigenspace>,
@@ -45,156 +48,150 @@ pub struct ObjectPart {
     pub eigenpoints: Vec<f32>,
     /// Root mean square distance of held-out views; `None` if nothing was held out.
     pub scale: Option<f64>,
-    /// Expected distance of a query.
-    pub usual: f64,
+    /// Distance to be expected of a query.
+    pub typical_distance: f64,
     /// Held-out error at each different pose, ascending; or empty.
     pub held_out_deg: Vec<f64>,
 }
 
-/// What is wrong with the parts of an object database.
+/// Why parts make no object database.
 #[derive(Debug, Error, PartialEq)]
 pub enum PartsError {
+    /// See [`ObjectOptions::faults`].
     #[error("the options can't be used")]
-    Options { faults: Vec<OptionFault> },
+    Options {
+        /// All faults.
+        faults: Vec<OptionFault>,
+    },
+    /// A vector is too long or too short.
     #[error("{part} has {found} values where {expected} belong")]
-    Length { part: &'static str, expected: usize, found: usize },
+    Length {
+        /// Which vector.
+        part: &'static str,
+        /// Its length by the others.
+        expected: usize,
+        /// Its length.
+        found: usize,
+    },
+    /// A number is out of range.
     #[error("{part} holds a number that is not finite, too large, or negative where it can't be")]
-    Number { part: &'static str },
+    Number {
+        /// Where.
+        part: &'static str,
+    },
+    /// Sorted values are not sorted, or occur twice.
     #[error("{part} are not in their order, or not different")]
-    Order { part: &'static str },
+    Order {
+        /// Which values.
+        part: &'static str,
+    },
+    /// A basis is not orthonormal, or a covariance can't be inverted.
     #[error("an eigenspace is none")]
-    Eigenspace { source: EigenError },
+    Eigenspace {
+        /// Why.
+        source: EigenError,
+    },
 }
 
-impl Objects {
-    /// Copy the database into plain vectors.
-    pub fn to_parts(&self) -> ObjectParts {
-        let part = |known: &KnownObject| ObjectPart {
-            space: known.space.clone(),
-            eigenpoints: if known.space.is_some() { known.points.clone() } else { Vec::new() },
-            scale: known.scale,
-            usual: known.usual,
-            held_out_deg: known.held_out_deg.clone(),
-        };
+impl From<&Objects> for ObjectParts {
+    fn from(model: &Objects) -> ObjectParts {
         ObjectParts {
-            options: self.options.clone(),
-            width_px: self.canvas.width_px,
-            height_px: self.canvas.height_px,
-            views: self.names.clone(),
-            universal: self.universal.clone(),
-            eigenpoints: self.vicinity.points().to_vec(),
-            objects: self.objects.iter().map(part).collect(),
-            calibration: self.calibration,
+            options: model.options.clone(),
+            width_px: model.normaliser.width_px,
+            height_px: model.normaliser.height_px,
+            views: model.views.clone(),
+            universal: model.universal.clone(),
+            eigenpoints: model.radius_index.points().to_vec(),
+            objects: model.objects.iter().map(|object| object.part.clone()).collect(),
+            acceptance: model.acceptance,
         }
     }
+}
+
+impl TryFrom<ObjectParts> for Objects {
+    type Error = PartsError;
 
     /// Rebuild a database from plain vectors that may hold anything.
-    pub fn from_parts(parts: ObjectParts) -> Result<Objects, PartsError> {
-        let canvas = parts.check()?;
+    fn try_from(parts: ObjectParts) -> Result<Objects, PartsError> {
+        let normaliser = parts.check()?;
         let dimension = parts.universal.dimension();
         let mut objects = Vec::with_capacity(parts.objects.len());
-        let mut owner = Vec::with_capacity(parts.views.len());
-        let mut first = 0;
-        for (object, (part, views)) in
-            parts.objects.into_iter().zip(parts.views.chunk_by(|a, b| a.label == b.label)).enumerate()
-        {
-            let poses_deg: Vec<Option<f64>> = views.iter().map(|view| view.pose_deg).collect();
-            let (points, dimension) = match &part.space {
-                Some(space) => (part.eigenpoints, space.dimension()),
-                None => {
-                    (parts.eigenpoints[first * dimension..][..views.len() * dimension].to_vec(), dimension)
-                }
-            };
-            let set = ViewSet::new(&points, &poses_deg, dimension);
-            let expected = set.poses_deg.len();
-            if ![0, expected].contains(&part.held_out_deg.len()) {
-                let found = part.held_out_deg.len();
-                return Err(PartsError::Length { part: "held-out errors", expected, found });
-            }
-            objects.push(KnownObject {
-                label: views[0].label.clone(),
-                space: part.space,
-                views: set,
-                scale: part.scale,
-                usual: part.usual,
-                held_out_deg: part.held_out_deg,
-                points,
-            });
-            owner.extend(vec![object; views.len()]);
-            first += views.len();
+        let mut object_of_view = Vec::with_capacity(parts.views.len());
+        let groups = parts.views.chunk_by(|a, b| a.label == b.label);
+        for (part, views) in parts.objects.into_iter().zip(groups) {
+            let universal = &parts.eigenpoints[object_of_view.len() * dimension..][..views.len() * dimension];
+            object_of_view.extend(vec![objects.len(); views.len()]);
+            objects.push(part.into_object(views, universal, dimension)?);
         }
-        let covariances = match parts.options.distance {
-            Distance::Euclidean => None,
-            Distance::Mahalanobis => Some(
-                ClassCovariance::fit(&parts.eigenpoints, dimension, &owner, objects.len())
-                    .map_err(|source| PartsError::Eigenspace { source })?,
-            ),
-        };
+        let options = parts.options;
+        let covariances =
+            class_covariances(options.distance, &parts.eigenpoints, &object_of_view, objects.len())
+                .map_err(|source| PartsError::Eigenspace { source })?;
         Ok(Objects {
-            vicinity: Vicinity::new(parts.eigenpoints, dimension, way(parts.options.search)),
-            options: parts.options,
-            canvas,
-            names: parts.views,
+            radius_index: RadiusIndex::new(parts.eigenpoints, dimension, options.search),
+            options,
+            normaliser,
+            views: parts.views,
             universal: parts.universal,
-            owner,
+            object_of_view,
             objects,
             covariances,
-            calibration: parts.calibration,
+            acceptance: parts.acceptance,
         })
     }
 }
 
+impl ObjectPart {
+    /// The object of these views, whose eigenpoints in the universal eigenspace are `universal`.
+    fn into_object(
+        self,
+        views: &[ViewName],
+        universal: &[f32],
+        dimension: usize,
+    ) -> Result<KnownObject, PartsError> {
+        let poses_deg: Vec<Option<f64>> = views.iter().map(|view| view.pose_deg).collect();
+        let set = match &self.space {
+            Some(space) => ViewSet::new(&self.eigenpoints, &poses_deg, space.dimension()),
+            None => ViewSet::new(universal, &poses_deg, dimension),
+        };
+        if !self.held_out_deg.is_empty() {
+            check_length("held-out errors", set.poses_deg.len(), self.held_out_deg.len())?;
+        }
+        Ok(KnownObject { label: views[0].label.clone(), part: self, views: set })
+    }
+}
+
 impl ObjectParts {
-    fn check(&self) -> Result<Canvas, PartsError> {
+    /// Check all that the parts of a database have to agree on.
+    fn check(&self) -> Result<Normaliser, PartsError> {
         let faults = self.options.faults();
         if !faults.is_empty() {
             return Err(PartsError::Options { faults });
         }
-        if ![self.width_px, self.height_px].iter().all(|side| (1..=MAX_SIDE_PX).contains(side)) {
-            return Err(PartsError::Number { part: "the size of pictures" });
-        }
-        let canvas = Canvas::new(&self.options, (self.width_px as u32, self.height_px as u32));
-        if (canvas.width_px, canvas.height_px) != (self.width_px, self.height_px) {
-            return Err(PartsError::Number { part: "the size of pictures" });
-        }
+        let normaliser = self.check_size()?;
         self.check_views()?;
-        check_space(&self.universal, canvas.length(), 1..=MAX_DIMENSION)?;
-        let dimension = self.universal.dimension();
-        check_length("eigenpoints", self.views.len() * dimension, self.eigenpoints.len())?;
+        check_space(&self.universal, normaliser.length(), 1..=MAX_DIMENSION)?;
+        check_length("eigenpoints", self.views.len() * self.universal.dimension(), self.eigenpoints.len())?;
         check_numbers("eigenpoints", &self.eigenpoints)?;
         let groups: Vec<&[ViewName]> = self.views.chunk_by(|a, b| a.label == b.label).collect();
         check_length("objects", groups.len(), self.objects.len())?;
         for (part, views) in self.objects.iter().zip(groups) {
-            let own = self.options.stages == Stages::UniversalThenObject;
-            if own != part.space.is_some() {
-                return Err(PartsError::Length {
-                    part: "an object",
-                    expected: usize::from(own),
-                    found: usize::from(!own),
-                });
-            }
-            let own_dimension = part.space.as_ref().map_or(0, Eigenspace::dimension);
-            if let Some(space) = &part.space {
-                check_space(space, canvas.length(), 0..=AUTO_DIMENSION)?;
-            }
-            check_length("an object's eigenpoints", views.len() * own_dimension, part.eigenpoints.len())?;
-            check_numbers("an object's eigenpoints", &part.eigenpoints)?;
-            let mut numbers = part.held_out_deg.iter().copied().chain(part.scale).chain([part.usual]);
-            if !numbers.all(|v| (0.0..=LARGEST).contains(&v)) || part.scale == Some(0.0) {
-                return Err(PartsError::Number { part: "an object" });
-            }
+            part.check(self.options.stages, views.len(), normaliser.length())?;
         }
-        if let Some(calibration) = &self.calibration {
-            let Calibration { shrink, angle_part, radius, threshold, confidence } = calibration;
-            let parts = [*shrink, *angle_part].iter().all(|v| (0.0..=1.0).contains(v));
-            let bounds = [*radius, *threshold].iter().all(|v| (0.0..=LARGEST).contains(v));
-            let sure = confidence
-                .is_none_or(|fit| fit.offset.is_finite() && fit.slope.is_finite() && fit.slope <= 0.0);
-            if !(parts && bounds && sure) {
-                return Err(PartsError::Number { part: "the calibration" });
-            }
+        self.acceptance.as_ref().map_or(Ok(()), check_acceptance)?;
+        Ok(normaliser)
+    }
+
+    fn check_size(&self) -> Result<Normaliser, PartsError> {
+        let error = PartsError::Number { part: "the size of pictures" };
+        if ![self.width_px, self.height_px].iter().all(|side| (1..=MAX_SIDE_PX).contains(side)) {
+            return Err(error);
         }
-        Ok(canvas)
+        let normaliser = Normaliser::new(&self.options, (self.width_px as u32, self.height_px as u32));
+        match (normaliser.width_px, normaliser.height_px) == (self.width_px, self.height_px) {
+            true => Ok(normaliser),
+            false => Err(error),
+        }
     }
 
     fn check_views(&self) -> Result<(), PartsError> {
@@ -215,6 +212,35 @@ impl ObjectParts {
             false => Err(PartsError::Number { part: "poses" }),
         }
     }
+}
+
+impl ObjectPart {
+    /// Check an object of so many views whose appearances have `length` components.
+    fn check(&self, stages: Stages, views: usize, length: usize) -> Result<(), PartsError> {
+        let needs_space = stages == Stages::UniversalThenObject;
+        check_length("an object", usize::from(needs_space), usize::from(self.space.is_some()))?;
+        let mut dimension = 0;
+        if let Some(space) = &self.space {
+            check_space(space, length, 0..=AUTO_DIMENSION)?;
+            dimension = space.dimension();
+        }
+        check_length("an object's eigenpoints", views * dimension, self.eigenpoints.len())?;
+        check_numbers("an object's eigenpoints", &self.eigenpoints)?;
+        let mut numbers = self.held_out_deg.iter().copied().chain(self.scale).chain([self.typical_distance]);
+        if !numbers.all(|v| (0.0..=LARGEST).contains(&v)) || self.scale == Some(0.0) {
+            return Err(PartsError::Number { part: "an object" });
+        }
+        Ok(())
+    }
+}
+
+fn check_acceptance(acceptance: &Acceptance) -> Result<(), PartsError> {
+    let Acceptance { distance_ratio, tangential_part, radius, threshold, confidence } = acceptance;
+    let parts = [*distance_ratio, *tangential_part].iter().all(|v| (0.0..=1.0).contains(v));
+    let bounds = [*radius, *threshold].iter().all(|v| (0.0..=LARGEST).contains(v));
+    let fit =
+        confidence.is_none_or(|fit| fit.offset.is_finite() && fit.slope.is_finite() && fit.slope <= 0.0);
+    if parts && bounds && fit { Ok(()) } else { Err(PartsError::Number { part: "the calibration" }) }
 }
 
 fn check_length(part: &'static str, expected: usize, found: usize) -> Result<(), PartsError> {
@@ -251,11 +277,12 @@ fn check_space(
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{canvas, thing, turntable};
+    use super::super::test_pictures::{normaliser, thing, turntable};
     use super::*;
+    use crate::recognition::objects::{Distance, train};
 
     fn trained(options: &ObjectOptions) -> Objects {
-        Objects::train(turntable(3, 30, options), &canvas(options), options).unwrap().0
+        train(turntable(3, 30, options), &normaliser(options), options).unwrap().0
     }
 
     #[test]
@@ -269,8 +296,8 @@ mod tests {
             },
         ] {
             let before = trained(&options);
-            let after = Objects::from_parts(before.to_parts()).unwrap();
-            assert_eq!(after.to_parts(), before.to_parts());
+            let after = Objects::try_from(ObjectParts::from(&before)).unwrap();
+            assert_eq!(ObjectParts::from(&after), ObjectParts::from(&before));
             for turn in [3.0, 77.0, 200.0] {
                 let frame = thing(1, turn);
                 assert_eq!(after.recognise(&frame, |_| ()), before.recognise(&frame, |_| ()));
@@ -304,15 +331,15 @@ mod tests {
             ("own eigenpoints cut", |p| p.objects[1].eigenpoints.truncate(1)),
             ("errors cut", |p| p.objects[1].held_out_deg.truncate(1)),
             ("scale zero", |p| p.objects[1].scale = Some(0.0)),
-            ("threshold NaN", |p| p.calibration.as_mut().unwrap().threshold = f64::NAN),
+            ("threshold NaN", |p| p.acceptance.as_mut().unwrap().threshold = f64::NAN),
             ("slope infinite", |p| {
-                p.calibration.as_mut().unwrap().confidence.as_mut().unwrap().slope = f64::INFINITY
+                p.acceptance.as_mut().unwrap().confidence.as_mut().unwrap().slope = f64::INFINITY
             }),
         ];
         for (what, damage) in damages {
-            let mut parts = trained(&ObjectOptions::default()).to_parts();
+            let mut parts = ObjectParts::from(&trained(&ObjectOptions::default()));
             damage(&mut parts);
-            assert!(Objects::from_parts(parts).is_err(), "{what} went through");
+            assert!(Objects::try_from(parts).is_err(), "{what} went through");
         }
     }
 }

@@ -1,16 +1,16 @@
-//! What the eigenspace makes of a picture (B(13), turned round): the appearance, what the eigenimages rebuild of it, and
-//! what they can't express.
+//! The reconstruction of a picture from its eigenpoint (the inverse of B(13)): the appearance, the sum of eigenimages,
+//! and the residual.
 
 use super::appearance::{Appearance, SizeMismatch};
 use super::model::Objects;
 use crate::imaging::{Frame, Image};
 
-/// A picture as the universal eigenspace sees it. All three are pictures of samples, of one size, in 0..=255.
+/// A picture and its reconstruction. All three are pictures of samples, of one size, in 0..=255.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstruction {
-    /// B(7): what was looked at. Black for a blank picture.
+    /// B(7): the normalised picture. Black for a blank one.
     pub appearance: Image,
-    /// The mean and the eigenimages, each as much as the eigenpoint says; on the scale of `appearance`.
+    /// The mean and the eigenimages, weighted by the eigenpoint; on the scale of `appearance`.
     pub rebuilt: Image,
     /// The difference, on the same scale about mid-gray.
     pub residual: Image,
@@ -18,36 +18,34 @@ pub struct Reconstruction {
     pub distance_from_space: f64,
 }
 
-impl Objects {
+impl Reconstruction {
     /// Rebuild a picture from its eigenpoint.
     ///
     /// # Errors
     /// [`SizeMismatch`] if the picture is of another size and `resize` is `never`.
-    pub fn reconstruct(&self, frame: &Frame) -> Result<Reconstruction, SizeMismatch> {
-        let appearance: Appearance = self.canvas.appearance(frame)?; // B(7)
-        let (point, distance_from_space) = self.universal.locate(&appearance.vector); // B(13)
-        let rebuilt = self.universal.rebuild(&point); // B(13): c + Eᵀh
-        let brightest = appearance.vector.iter().fold(f32::MIN_POSITIVE, |most, &v| most.max(v));
-        let gray = |v: f32| (255.0 * v / brightest).clamp(0.0, 255.0);
-        let differences = appearance.vector.iter().zip(&rebuilt).map(|(seen, rebuilt)| seen - rebuilt);
+    pub fn of(frame: &Frame, model: &Objects) -> Result<Reconstruction, SizeMismatch> {
+        let Appearance { vector, .. } = model.normaliser.appearance(frame)?; // B(7)
+        let (point, distance_from_space) = model.universal.locate(&vector); // B(13)
+        let rebuilt = model.universal.rebuild(&point); // B(13): c + Eᵀh
+        let brightest = vector.iter().fold(f32::MIN_POSITIVE, |most, &v| most.max(v));
+        let gray = |v: &f32| (255.0 * v / brightest).clamp(0.0, 255.0);
+        let differences = vector.iter().zip(&rebuilt).map(|(given, rebuilt)| given - rebuilt);
         let residual = differences.map(|v| (127.5 * (1.0 + v / brightest)).clamp(0.0, 255.0));
         Ok(Reconstruction {
-            residual: self.picture(residual),
-            appearance: self.picture(appearance.vector.iter().map(|&v| gray(v))),
-            rebuilt: self.picture(rebuilt.iter().map(|&v| gray(v))),
+            residual: model.normaliser.picture(residual),
+            appearance: model.normaliser.picture(vector.iter().map(gray)),
+            rebuilt: model.normaliser.picture(rebuilt.iter().map(gray)),
             distance_from_space,
         })
     }
-}
 
-impl Reconstruction {
     /// The three beside each other, in their order, each sample a square of so many pixels that a person sees it.
     pub fn side_by_side(&self) -> Image {
         /// Least length of the longer side of one of them.
-        const LEAST_PX: usize = 160;
+        const MIN_SIDE_PX: usize = 160;
         let three = [&self.appearance, &self.rebuilt, &self.residual];
         let (width, height) = (self.appearance.width(), self.appearance.height());
-        let step_px = LEAST_PX.div_ceil(width.max(height));
+        let step_px = MIN_SIDE_PX.div_ceil(width.max(height));
         Image::from_fn(3 * width * step_px, height * step_px, |x, y| {
             let column = x / step_px;
             three[column / width].at(column % width, y / step_px)
@@ -57,14 +55,14 @@ impl Reconstruction {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{SIDE_PX, canvas, thing, turntable};
-    use super::super::{Dimension, ObjectOptions, Objects};
+    use super::super::test_pictures::{SIDE_PX, normaliser, thing, turntable};
+    use super::super::{Dimension, ObjectOptions, train};
     use super::*;
 
     /// Three things, in nearly as many dimensions as there are views.
     fn trained() -> Objects {
         let options = ObjectOptions { dimension: Dimension::Fixed(50), ..ObjectOptions::default() };
-        Objects::train(turntable(3, 20, &options), &canvas(&options), &options).unwrap().0
+        train(turntable(3, 20, &options), &normaliser(&options), &options).unwrap().0
     }
 
     fn squares(image: &Image) -> f64 {
@@ -74,8 +72,8 @@ mod tests {
     #[test]
     fn a_known_view_is_rebuilt_and_a_strange_one_leaves_a_residual() {
         let model = trained();
-        let known = model.reconstruct(&thing(1, 40.0)).unwrap();
-        let strange = model.reconstruct(&thing(9, 40.0)).unwrap();
+        let known = Reconstruction::of(&thing(1, 40.0), &model).unwrap();
+        let strange = Reconstruction::of(&thing(9, 40.0), &model).unwrap();
         let (near, far) = (known.distance_from_space, strange.distance_from_space);
         assert!(near < 0.1 && far > 0.3, "{near} and {far}");
         assert!(squares(&strange.residual) > 4.0 * squares(&known.residual));
@@ -83,8 +81,8 @@ mod tests {
 
     #[test]
     fn the_residual_is_as_long_as_the_distance_from_the_space() {
-        let seen = trained().reconstruct(&thing(9, 40.0)).unwrap();
-        // On the scale of the pictures: 127.5 grey levels of the residual are 255 of the appearance.
+        let seen = Reconstruction::of(&thing(9, 40.0), &trained()).unwrap();
+        // On the scale of the pictures: 127.5 gray levels of the residual are 255 of the appearance.
         let length = 4.0 * squares(&seen.residual);
         let whole: f64 = seen.appearance.pixels().iter().map(|&v| f64::from(v).powi(2)).sum();
         assert!(((length / whole).sqrt() - seen.distance_from_space).abs() < 1e-3);
@@ -93,13 +91,13 @@ mod tests {
     #[test]
     fn a_blank_picture_has_a_black_appearance() {
         let blank = Frame::gray(Image::from_fn(SIDE_PX, SIDE_PX, |_, _| 0.0));
-        let seen = trained().reconstruct(&blank).unwrap();
+        let seen = Reconstruction::of(&blank, &trained()).unwrap();
         assert!(seen.appearance.pixels().iter().all(|&v| v == 0.0));
     }
 
     #[test]
     fn the_three_stand_beside_each_other_and_large_enough() {
-        let seen = trained().reconstruct(&thing(0, 0.0)).unwrap();
+        let seen = Reconstruction::of(&thing(0, 0.0), &trained()).unwrap();
         let (width, height) = (seen.appearance.width(), seen.appearance.height());
         let together = seen.side_by_side();
         let step_px = together.width() / (3 * width);

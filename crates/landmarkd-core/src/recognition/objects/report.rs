@@ -1,21 +1,24 @@
-//! What a training tells of itself: the eigenspace, rates of held-out views, and what is wrong with the exemplars.
+//! The report of a training: the eigenspace, rates of held-out views, and what is wrong with the exemplars.
 
 use std::collections::BTreeMap;
 
-use super::calibration::quantile;
 use super::held_out::{HeldOutView, Trial};
-use super::manifold::{ONE_POSE_DEG, apart_deg, wide_gaps};
-use super::model::Objects;
+use super::manifold::{ONE_POSE_DEG, wide_gaps};
+use super::model::{NearObject, Objects};
+use super::object::{KnownObject, euclidean_distance};
 use super::training::View;
-use crate::eigen::{Vicinity, Way};
+use crate::angle::angular_distance_deg;
+use crate::eigen::{RadiusIndex, Search};
+use crate::statistics::quantile;
 
-/// Pictures of unit energy that are so near are the same but for noise.
-const DUPLICATE: f64 = 0.003;
-/// As many pairs are told.
-const MOST_PAIRS: usize = 100;
-const NEAR_DEG: f64 = 5.0;
+/// Pictures of unit energy at a smaller distance are the same but for noise.
+const MAX_DUPLICATE_DISTANCE: f64 = 0.003;
+/// Most pairs that are listed.
+const MAX_PAIRS: usize = 100;
+/// A smaller pose error is small.
+const SMALL_ERROR_DEG: f64 = 5.0;
 
-/// What a training tells of itself. Rates are of views that were left out: see [`HeldOut`].
+/// The report of a training. Rates are of views that were left out: see [`HeldOut`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingReport {
     /// Variance along the directions of the universal eigenspace, descending; for more than 1500 views the leading ones.
@@ -24,8 +27,9 @@ pub struct TrainingReport {
     pub energy_kept: f64,
     /// Directions kept.
     pub dimension: usize,
-    /// Size of the database's pictures.
+    /// Width of the database's pictures.
     pub width_px: usize,
+    /// Height of the database's pictures.
     pub height_px: usize,
     /// Components of an appearance.
     pub vector_length: usize,
@@ -37,7 +41,7 @@ pub struct TrainingReport {
     pub rate_by_dimension: Vec<DimensionRate>,
     /// Held-out views that were taken for another object, or for none.
     pub confusion: Vec<Confusion>,
-    /// How held-out views and unknown objects fared; `None` if no object has two views.
+    /// Answers to held-out views and unknown objects; `None` if no object has two views.
     pub held_out: Option<HeldOut>,
     /// By object, ascending.
     pub objects: Vec<ObjectReport>,
@@ -45,30 +49,39 @@ pub struct TrainingReport {
     pub near_duplicates: Vec<(String, String)>,
     /// Ids of views of one object with one pose: the manifold takes their mean.
     pub repeated_poses: Vec<(String, String)>,
-    /// Ids of views that are too bright, too dark, black, or were not of the database's size.
+    /// Ids of views with many saturated pixels.
     pub over_exposed: Vec<String>,
+    /// Ids of views with hardly a bright pixel.
     pub under_exposed: Vec<String>,
+    /// Ids of views that are black, or in which nothing stands out. They are not trained.
     pub blank: Vec<String>,
+    /// Ids of views that were not of the database's size.
     pub resized: Vec<String>,
-    /// Ids of views whose object was cut out and reaches the border, or wasn't the only large one.
+    /// Ids of views whose object was cropped and reaches the border.
     pub touches_border: Vec<String>,
+    /// Ids of views whose object was cropped beside another one nearly as large.
     pub several_regions: Vec<String>,
 }
 
 /// Held-out views recognised at a dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DimensionRate {
+    /// Leading coordinates that are compared.
     pub dimension: usize,
+    /// Views whose nearest eigenpoint is of their own object.
     pub right: usize,
+    /// Views that were held out.
     pub trials: usize,
 }
 
 /// Held-out views of one object that were given one wrong answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
+    /// Label of the object.
     pub shown: String,
-    /// `None`: refused.
+    /// Label of the answer; `None`: refused.
     pub named: Option<String>,
+    /// Number of such views.
     pub times: usize,
 }
 
@@ -88,10 +101,12 @@ pub struct HeldOut {
     pub unknown_refused: usize,
 }
 
-/// What is known of one object.
+/// The report on one object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectReport {
+    /// Its label.
     pub label: String,
+    /// Number of its views.
     pub views: usize,
     /// Of these, with a pose.
     pub views_with_pose: usize,
@@ -106,25 +121,31 @@ pub struct ObjectReport {
 /// Errors of the pose of held-out views, with twice the gap that a query meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseErrors {
+    /// Views that were held out.
     pub trials: usize,
+    /// Mean of the errors.
     pub mean_deg: f64,
+    /// Median of the errors.
     pub median_deg: f64,
+    /// 95th percentile of the errors.
     pub p95_deg: f64,
-    /// How many within 5°.
+    /// Number of errors of 5° at most.
     pub within_5_deg: usize,
 }
 
 /// Poses from one view to the next that are far apart; `to_deg` may be less than `from_deg`, across 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
+    /// The pose before the gap.
     pub from_deg: f64,
+    /// The pose behind it.
     pub to_deg: f64,
 }
 
-/// What training hands over to be told.
-pub(super) struct Told<'a> {
+/// What a report is made of.
+pub(super) struct ReportInput<'a> {
     pub model: &'a Objects,
-    /// In the model's order, their vectors taken out.
+    /// In the model's order, their vectors moved to `rows`.
     pub views: &'a [View],
     /// views × vector length.
     pub rows: &'a [f32],
@@ -132,11 +153,11 @@ pub(super) struct Told<'a> {
     pub trials: &'a [Trial],
     pub spectrum: Vec<f64>,
     pub rate_by_dimension: Vec<DimensionRate>,
-    /// Ids of black pictures.
+    /// Ids of blank views.
     pub blank: Vec<String>,
 }
 
-impl Told<'_> {
+impl ReportInput<'_> {
     pub fn report(self) -> TrainingReport {
         let model = self.model;
         let universal = &model.universal;
@@ -146,8 +167,8 @@ impl Told<'_> {
         TrainingReport {
             energy_kept: universal.eigenvalues.iter().sum::<f64>() / universal.total_variance,
             dimension: universal.dimension(),
-            width_px: model.canvas.width_px,
-            height_px: model.canvas.height_px,
+            width_px: model.normaliser.width_px,
+            height_px: model.normaliser.height_px,
             vector_length: universal.length(),
             exemplars: self.views.len() + self.blank.len(),
             labels: model.objects.len(),
@@ -160,23 +181,23 @@ impl Told<'_> {
             under_exposed: ids(|view| view.appearance.under_exposed),
             resized: ids(|view| view.appearance.resized),
             touches_border: ids(|view| view.appearance.touches_border),
-            several_regions: ids(|view| view.appearance.crowded),
+            several_regions: ids(|view| view.appearance.several_regions),
             blank: self.blank,
             spectrum: self.spectrum,
             rate_by_dimension: self.rate_by_dimension,
         }
     }
 
-    /// What a trial of a known object answered; `None`: refused.
+    /// The answer to a trial of a known object; `None`: refused.
     fn answer(&self, trial: &Trial) -> Option<usize> {
-        let (object, distance) = trial.nearest()?;
+        let NearObject { object, distance } = trial.nearest()?;
         self.model.threshold(object).is_some_and(|threshold| distance <= threshold).then_some(object)
     }
 
     fn held_out(&self) -> Option<HeldOut> {
-        let known = || self.trials.iter().filter(|trial| trial.own.is_some());
-        let refused = |(object, distance): (usize, f64)| {
-            self.model.threshold(object).is_some_and(|threshold| distance > threshold)
+        let known = || self.trials.iter().filter(|trial| trial.own_distance.is_some());
+        let refused = |found: &NearObject| {
+            self.model.threshold(found.object).is_some_and(|threshold| found.distance > threshold)
         };
         let others = || self.trials.iter().filter_map(|trial| trial.other);
         (known().count() > 0).then(|| HeldOut {
@@ -184,14 +205,14 @@ impl Told<'_> {
             known_accepted: known().filter(|trial| self.answer(trial).is_some()).count(),
             known_right: known().filter(|trial| self.answer(trial) == Some(trial.object)).count(),
             unknown: others().count(),
-            unknown_refused: others().filter(|&other| refused(other)).count(),
+            unknown_refused: others().filter(refused).count(),
         })
     }
 
     fn confusion(&self) -> Vec<Confusion> {
         let label = |object: usize| self.model.objects[object].label.clone();
         let mut times: BTreeMap<(String, Option<String>), usize> = BTreeMap::new();
-        for trial in self.trials.iter().filter(|trial| trial.own.is_some()) {
+        for trial in self.trials.iter().filter(|trial| trial.own_distance.is_some()) {
             let answer = self.answer(trial);
             if answer != Some(trial.object) {
                 *times.entry((label(trial.object), answer.map(label))).or_default() += 1;
@@ -201,43 +222,44 @@ impl Told<'_> {
     }
 
     fn objects(&self) -> Vec<ObjectReport> {
-        let of = |object: usize| (0..self.views.len()).filter(move |&view| self.model.owner[view] == object);
-        let known = self.model.objects.iter().enumerate();
-        known
-            .map(|(object, known)| {
-                let errors: Vec<f64> =
-                    of(object).filter_map(|view| self.held_out[view].pose_error_deg()).collect();
-                ObjectReport {
-                    label: known.label.clone(),
-                    views: of(object).count(),
-                    views_with_pose: of(object).filter(|&view| self.views[view].pose_deg.is_some()).count(),
-                    threshold: self.model.threshold(object),
-                    pose: pose_errors(&errors),
-                    gaps: (wide_gaps(&known.views.poses_deg).into_iter())
-                        .map(|(from_deg, to_deg)| Gap { from_deg, to_deg })
-                        .collect(),
-                }
-            })
-            .collect()
+        let of = |object: usize| {
+            (0..self.views.len()).filter(move |&view| self.model.object_of_view[view] == object)
+        };
+        let report = |(object, known): (usize, &KnownObject)| {
+            let errors: Vec<f64> =
+                of(object).filter_map(|view| self.held_out[view].pose_error_deg()).collect();
+            ObjectReport {
+                label: known.label.clone(),
+                views: of(object).count(),
+                views_with_pose: of(object).filter(|&view| self.views[view].pose_deg.is_some()).count(),
+                threshold: self.model.threshold(object),
+                pose: pose_errors(&errors),
+                gaps: wide_gaps(&known.views.poses_deg),
+            }
+        };
+        self.model.objects.iter().enumerate().map(report).collect()
     }
 
-    /// Views that lie within [`DUPLICATE`] of each other, each pair once.
+    /// Views that lie within [`MAX_DUPLICATE_DISTANCE`] of each other, each pair once.
     fn near_duplicates(&self) -> Vec<(String, String)> {
         let universal = &self.model.universal;
         let (length, dimension) = (universal.length(), universal.dimension());
-        let points = self.model.vicinity.points();
-        let vicinity = Vicinity::new(points.to_vec(), dimension, Way::Slabs);
+        let points = self.model.radius_index.points();
+        let radius_index = RadiusIndex::new(points.to_vec(), dimension, Search::Slabs);
         let row = |view: usize| &self.rows[view * length..][..length];
         let mut pairs = Vec::new();
         for (view, point) in points.chunks_exact(dimension).enumerate() {
-            for near in vicinity.within(point, DUPLICATE).into_iter().filter(|near| near.index > view) {
-                let differences = row(view).iter().zip(row(near.index)).map(|(a, b)| f64::from(a - b));
-                if differences.map(|d| d * d).sum::<f64>().sqrt() <= DUPLICATE {
+            for near in radius_index
+                .within(point, MAX_DUPLICATE_DISTANCE)
+                .into_iter()
+                .filter(|near| near.index > view)
+            {
+                if euclidean_distance(row(view), row(near.index)) <= MAX_DUPLICATE_DISTANCE {
                     pairs.push((self.views[view].id.clone(), self.views[near.index].id.clone()));
                 }
             }
-            if pairs.len() >= MOST_PAIRS {
-                pairs.truncate(MOST_PAIRS);
+            if pairs.len() >= MAX_PAIRS {
+                pairs.truncate(MAX_PAIRS);
                 break;
             }
         }
@@ -247,9 +269,10 @@ impl Told<'_> {
     fn repeated_poses(&self) -> Vec<(String, String)> {
         let same = |pair: &&[View]| {
             let poses = pair[0].pose_deg.zip(pair[1].pose_deg);
-            pair[0].label == pair[1].label && poses.is_some_and(|(a, b)| apart_deg(a, b) <= ONE_POSE_DEG)
+            pair[0].label == pair[1].label
+                && poses.is_some_and(|(a, b)| angular_distance_deg(a, b) <= ONE_POSE_DEG)
         };
-        let pairs = self.views.windows(2).filter(same).take(MOST_PAIRS);
+        let pairs = self.views.windows(2).filter(same).take(MAX_PAIRS);
         pairs.map(|pair| (pair[0].id.clone(), pair[1].id.clone())).collect()
     }
 }
@@ -260,6 +283,6 @@ fn pose_errors(errors: &[f64]) -> Option<PoseErrors> {
         mean_deg: errors.iter().sum::<f64>() / errors.len() as f64,
         median_deg: quantile(errors, 0.5)?,
         p95_deg: quantile(errors, 0.95)?,
-        within_5_deg: errors.iter().filter(|&&error| error <= NEAR_DEG).count(),
+        within_5_deg: errors.iter().filter(|&&error| error <= SMALL_ERROR_DEG).count(),
     })
 }

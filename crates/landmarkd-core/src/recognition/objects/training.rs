@@ -4,13 +4,14 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use super::appearance::{Appearance, Canvas};
-use super::held_out::{HeldOutView, Lesson, Neighbourhood, TRIALS, hold_out};
-use super::model::{Objects, ViewName, way};
+use super::appearance::{Appearance, Normaliser};
+use super::held_out::{HeldOutStatistics, HeldOutView, LabelledPoints, MAX_TRIALS, Trial, leave_each_out};
+use super::model::{Objects, ViewName, class_covariances};
 use super::object::{KnownObject, ViewSet};
-use super::options::{Dimension, Distance, ObjectOptions, Stages};
-use super::report::{DimensionRate, Told, TrainingReport};
-use crate::eigen::{ClassCovariance, EigenError, Eigenspace, Vicinity};
+use super::options::{Dimension, ObjectOptions, Stages};
+use super::parts::ObjectPart;
+use super::report::{DimensionRate, ReportInput, TrainingReport};
+use crate::eigen::{EigenError, Eigenspace, RadiusIndex};
 use crate::recognition::OptionFault;
 
 /// Views beyond which an eigenspace is found by iteration: then the whole spectrum would take minutes.
@@ -18,9 +19,9 @@ const EXACT_UP_TO: usize = 1500;
 /// Coordinates of the universal eigenspace from which `auto` chooses, and most of an object's own.
 pub(super) const AUTO_DIMENSION: usize = 64;
 /// B§6 finds recognition poor below.
-const LEAST_DIMENSION: usize = 8;
-/// Nearly all of the training set's variance is beyond the views' own: a view that nothing else explains.
-const MOST_LEVERAGE: f64 = 0.9;
+const MIN_DIMENSION: usize = 8;
+/// A leverage is taken to be no larger: the view is then alone on nearly all of its principal components.
+const MAX_LEVERAGE: f64 = 0.9;
 
 /// An exemplar as training takes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,143 +30,108 @@ pub struct View {
     pub id: String,
     /// The object shown.
     pub label: String,
-    /// How it is turned, in [0, 360).
+    /// Turn about the vertical, in [0, 360).
     pub pose_deg: Option<f64>,
-    /// From the canvas that [`Objects::train`] is given.
+    /// Made by the normaliser that [`train`] is given.
     pub appearance: Appearance,
 }
 
-/// Why no model came of a training.
+/// Why a training gives no model.
 #[derive(Debug, Error, PartialEq)]
 pub enum TrainingError {
+    /// Fewer than two views are not blank.
     #[error("there are {views} exemplars; two that differ are the least")]
-    TooFew { views: usize },
+    TooFew {
+        /// Views that are not blank.
+        views: usize,
+    },
+    /// The appearances have no variance.
     #[error("all pictures are equal")]
     AllEqual,
+    /// Two views have one id.
     #[error("the exemplar id {id:?} occurs more than once")]
-    DuplicateId { id: String },
-    #[error("the exemplar {id:?} comes from another canvas, or its pose is not in [0, 360)")]
-    OtherCanvas { id: String },
+    DuplicateId {
+        /// The id.
+        id: String,
+    },
+    /// An appearance has another length than the normaliser gives, or a pose is out of range.
+    #[error("the exemplar {id:?} comes from another normaliser, or its pose is not in [0, 360)")]
+    OtherNormaliser {
+        /// The view's id.
+        id: String,
+    },
+    /// See [`ObjectOptions::faults`].
     #[error("the options can't be used")]
-    Options { faults: Vec<OptionFault> },
+    Options {
+        /// All faults.
+        faults: Vec<OptionFault>,
+    },
+    /// The linear algebra failed.
     #[error("no eigenspace can be fitted")]
-    Eigenspace { source: EigenError },
+    Eigenspace {
+        /// Why.
+        source: EigenError,
+    },
 }
 
-impl Objects {
-    /// Train on views. Their order doesn't matter: they are sorted by label, pose, id. Black ones are left out.
-    pub fn train(
-        mut views: Vec<View>,
-        canvas: &Canvas,
-        options: &ObjectOptions,
-    ) -> Result<(Objects, TrainingReport), TrainingError> {
-        check(&views, canvas, options)?;
-        views.sort_by(|a, b| {
-            let pose = |view: &View| view.pose_deg.unwrap_or(f64::INFINITY);
-            a.label.cmp(&b.label).then(pose(a).total_cmp(&pose(b))).then(a.id.cmp(&b.id))
-        });
-        let blank = views.extract_if(.., |view| view.appearance.is_blank()).map(|view| view.id).collect();
-        let length = canvas.length();
-        let mut rows = Vec::with_capacity(views.len() * length);
-        for view in &mut views {
-            rows.append(&mut std::mem::take(&mut view.appearance.vector));
-        }
-        let members = members(&views);
-        let owner: Vec<usize> =
-            members.iter().enumerate().flat_map(|(object, views)| vec![object; views.len()]).collect();
-        let poses_deg: Vec<Option<f64>> = views.iter().map(|view| view.pose_deg).collect();
-
-        let most = match options.dimension {
-            Dimension::Auto => AUTO_DIMENSION,
-            Dimension::Fixed(dimension) => dimension,
-        };
-        let (universal, spectrum) = fit(&rows, length, most)?; // B(8)–(12)
-        let points: Vec<f32> = rows.chunks_exact(length).flat_map(|row| universal.locate(row).0).collect(); // B(13)
-        let whole = Neighbourhood {
-            points: &points,
-            dimension: universal.dimension(),
-            owner: &owner,
-            poses_deg: &poses_deg,
-        };
-        let rate_by_dimension = rate_by_dimension(&whole);
-        let dimension = match options.dimension {
-            // B§6: where no object's own eigenspace follows, poses need all there is
-            Dimension::Auto if options.stages == Stages::UniversalThenObject => {
-                least_good(&rate_by_dimension)
-            }
-            _ => None,
-        };
-        let dimension = dimension.unwrap_or(universal.dimension());
-        let points: Vec<f32> = points
-            .chunks_exact(universal.dimension())
-            .flat_map(|point| &point[..dimension])
-            .copied()
-            .collect();
-        let universal = universal.truncated(dimension);
-
-        let mut objects = Vec::with_capacity(members.len());
-        let mut held_out = Vec::with_capacity(members.len());
-        for members in &members {
-            let rows = &rows[members.start * length..members.end * length];
-            let poses_deg = &poses_deg[members.clone()];
-            let (space, placed) = match options.stages {
-                Stages::UniversalThenObject => {
-                    let space = own_space(rows, length)?;
-                    let placed = Placed::all(&space, rows);
-                    (Some(space), placed)
-                }
-                Stages::UniversalOnly => (None, Placed::as_if_left_out(&universal, rows, views.len())),
-            };
-            held_out.push(hold_out(&placed.points, &placed.outside, poses_deg, placed.dimension));
-            objects.push(KnownObject {
-                label: views[members.start].label.clone(),
-                space,
-                views: ViewSet::new(&placed.points, poses_deg, placed.dimension),
-                scale: None,
-                usual: 0.0,
-                held_out_deg: Vec::new(),
-                points: placed.points,
-            });
-        }
-        let lesson = Lesson::learn(&mut objects, &held_out);
-        let covariances = match options.distance {
-            Distance::Euclidean => None,
-            Distance::Mahalanobis => Some(
-                ClassCovariance::fit(&points, dimension, &owner, objects.len()) // B(15)
-                    .map_err(|source| TrainingError::Eigenspace { source })?,
-            ),
-        };
-        let mut model = Objects {
-            options: options.clone(),
-            canvas: canvas.clone(),
-            names: views.iter().map(ViewName::from).collect(),
-            universal,
-            vicinity: Vicinity::new(points.clone(), dimension, way(options.search)),
-            owner: owner.clone(),
-            objects,
-            covariances,
-            calibration: None,
-        };
-        let held_out: Vec<HeldOutView> = held_out.into_iter().flatten().collect();
-        let neighbourhood =
-            Neighbourhood { points: &points, dimension, owner: &owner, poses_deg: &poses_deg };
-        let trials =
-            lesson.map(|lesson| lesson.trials(&model, &rows, &held_out, &neighbourhood)).unwrap_or_default();
-        model.calibration = lesson
-            .and_then(|lesson| lesson.calibrated(&model.objects, &trials, &neighbourhood, options.accept));
-        let told = Told {
-            model: &model,
-            views: &views,
-            rows: &rows,
-            held_out: &held_out,
-            trials: &trials,
-            spectrum,
-            rate_by_dimension,
-            blank,
-        };
-        let report = told.report();
-        Ok((model, report))
+/// Train a database on views. Their order doesn't matter: they are sorted by label, pose, id. Blank ones are left out.
+///
+/// # Errors
+/// [`TrainingError`] for options, ids or poses that can't be used, and for views that don't differ.
+pub fn train(
+    views: Vec<View>,
+    normaliser: &Normaliser,
+    options: &ObjectOptions,
+) -> Result<(Objects, TrainingReport), TrainingError> {
+    check(&views, normaliser, options)?;
+    let (set, blank) = TrainingSet::of(views, normaliser.length());
+    let UniversalFit { space, points, spectrum, rate_by_dimension } = UniversalFit::of(&set, options)?;
+    let (mut objects, held_out) = fit_objects(&set, &space, options.stages)?;
+    let statistics = HeldOutStatistics::of(&held_out);
+    if let Some(statistics) = &statistics {
+        statistics.describe(&mut objects, &held_out);
     }
+    let covariances = class_covariances(options.distance, &points, &set.object_of_view, objects.len()) // B(15)
+        .map_err(|source| TrainingError::Eigenspace { source })?;
+    let mut model = Objects {
+        options: options.clone(),
+        normaliser: normaliser.clone(),
+        views: set.views.iter().map(ViewName::from).collect(),
+        radius_index: RadiusIndex::new(points, space.dimension(), options.search),
+        universal: space,
+        object_of_view: set.object_of_view.clone(),
+        objects,
+        covariances,
+        acceptance: None,
+    };
+    let held_out: Vec<HeldOutView> = held_out.concat();
+    let trials =
+        statistics.map_or_else(Vec::new, |statistics| calibrate(&mut model, &statistics, &set, &held_out)); // B(16)
+    let input = ReportInput {
+        model: &model,
+        views: &set.views,
+        rows: &set.rows,
+        held_out: &held_out,
+        trials: &trials,
+        spectrum,
+        rate_by_dimension,
+        blank,
+    };
+    let report = input.report();
+    Ok((model, report))
+}
+
+/// Show held-out views to the model, and set its acceptance by their trials.
+fn calibrate(
+    model: &mut Objects,
+    statistics: &HeldOutStatistics,
+    set: &TrainingSet,
+    held_out: &[HeldOutView],
+) -> Vec<Trial> {
+    let points = set.labelled(model.radius_index.points(), model.dimension());
+    let trials = statistics.trials(model, &set.rows, held_out, &points);
+    model.acceptance = statistics.acceptance(&model.objects, &trials, &points, model.options.accept);
+    trials
 }
 
 impl From<&View> for ViewName {
@@ -174,7 +140,7 @@ impl From<&View> for ViewName {
     }
 }
 
-fn check(views: &[View], canvas: &Canvas, options: &ObjectOptions) -> Result<(), TrainingError> {
+fn check(views: &[View], normaliser: &Normaliser, options: &ObjectOptions) -> Result<(), TrainingError> {
     let faults = options.faults();
     if !faults.is_empty() {
         return Err(TrainingError::Options { faults });
@@ -189,23 +155,90 @@ fn check(views: &[View], canvas: &Canvas, options: &ObjectOptions) -> Result<(),
         return Err(TrainingError::DuplicateId { id: pair[0].to_owned() });
     }
     let fits = |view: &&View| {
-        view.appearance.vector.len() == canvas.length()
+        view.appearance.vector.len() == normaliser.length()
             && view.pose_deg.is_none_or(|pose| (0.0..360.0).contains(&pose))
     };
     match views.iter().find(|view| !fits(view)) {
-        Some(view) => Err(TrainingError::OtherCanvas { id: view.id.clone() }),
+        Some(view) => Err(TrainingError::OtherNormaliser { id: view.id.clone() }),
         None => Ok(()),
     }
 }
 
-/// Which of the sorted views are of each object.
-fn members(views: &[View]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let groups = views.chunk_by(|a, b| a.label == b.label).map(|group| {
-        end += group.len();
-        end - group.len()..end
-    });
-    groups.collect()
+/// The views sorted by object, and their appearances as one matrix.
+struct TrainingSet {
+    /// By label, then pose, then id; their vectors are moved into `rows`.
+    views: Vec<View>,
+    /// views × length, row-major.
+    rows: Vec<f32>,
+    /// Components of an appearance.
+    length: usize,
+    /// Which views are of each object.
+    members: Vec<Range<usize>>,
+    /// Index of the object of each view.
+    object_of_view: Vec<usize>,
+    poses_deg: Vec<Option<f64>>,
+}
+
+impl TrainingSet {
+    /// The set, and the ids of blank views, which are left out.
+    fn of(mut views: Vec<View>, length: usize) -> (TrainingSet, Vec<String>) {
+        views.sort_by(|a, b| {
+            let pose = |view: &View| view.pose_deg.unwrap_or(f64::INFINITY);
+            a.label.cmp(&b.label).then(pose(a).total_cmp(&pose(b))).then(a.id.cmp(&b.id))
+        });
+        let blank = views.extract_if(.., |view| view.appearance.is_blank()).map(|view| view.id).collect();
+        let mut rows = Vec::with_capacity(views.len() * length);
+        for view in &mut views {
+            rows.append(&mut std::mem::take(&mut view.appearance.vector));
+        }
+        let (mut members, mut object_of_view) = (Vec::new(), Vec::with_capacity(views.len()));
+        for group in views.chunk_by(|a, b| a.label == b.label) {
+            let first = object_of_view.len();
+            object_of_view.extend(vec![members.len(); group.len()]);
+            members.push(first..first + group.len());
+        }
+        let poses_deg = views.iter().map(|view| view.pose_deg).collect();
+        (TrainingSet { views, rows, length, members, object_of_view, poses_deg }, blank)
+    }
+
+    /// n × `dimension` eigenpoints with the object and pose of each.
+    fn labelled<'a>(&'a self, points: &'a [f32], dimension: usize) -> LabelledPoints<'a> {
+        LabelledPoints { points, dimension, object_of_view: &self.object_of_view, poses_deg: &self.poses_deg }
+    }
+}
+
+/// The universal eigenspace and the views in it.
+struct UniversalFit {
+    space: Eigenspace,
+    /// views × dimension, row-major.
+    points: Vec<f32>,
+    spectrum: Vec<f64>,
+    rate_by_dimension: Vec<DimensionRate>,
+}
+
+impl UniversalFit {
+    /// Fit all views, and keep as many directions as the options say.
+    fn of(set: &TrainingSet, options: &ObjectOptions) -> Result<UniversalFit, TrainingError> {
+        let most = match options.dimension {
+            Dimension::Auto => AUTO_DIMENSION,
+            Dimension::Fixed(dimension) => dimension,
+        };
+        let (space, spectrum) = fit(&set.rows, set.length, most)?; // B(8)–(12)
+        let points: Vec<f32> =
+            set.rows.chunks_exact(set.length).flat_map(|row| space.locate(row).0).collect(); // B(13)
+        let rate_by_dimension = rate_by_dimension(&set.labelled(&points, space.dimension()));
+        let chosen = match options.dimension {
+            // B§6: where no object's own eigenspace follows, poses need all there is
+            Dimension::Auto if options.stages == Stages::UniversalThenObject => {
+                least_good(&rate_by_dimension)
+            }
+            _ => None,
+        };
+        let dimension = chosen.unwrap_or(space.dimension());
+        let points =
+            points.chunks_exact(space.dimension()).flat_map(|point| &point[..dimension]).copied().collect();
+        Ok(UniversalFit { space: space.truncated(dimension), points, spectrum, rate_by_dimension })
+    }
 }
 
 /// The leading directions of appearances, and their spectrum.
@@ -218,6 +251,34 @@ fn fit(rows: &[f32], length: usize, dimension: usize) -> Result<(Eigenspace, Vec
         EigenError::NoVariance { .. } => TrainingError::AllEqual,
         source => TrainingError::Eigenspace { source },
     })
+}
+
+/// Each object with its views in its own eigenspace or the universal one, and what leaving each of them out shows.
+fn fit_objects(
+    set: &TrainingSet,
+    universal: &Eigenspace,
+    stages: Stages,
+) -> Result<(Vec<KnownObject>, Vec<Vec<HeldOutView>>), TrainingError> {
+    let mut objects = Vec::with_capacity(set.members.len());
+    let mut held_out = Vec::with_capacity(set.members.len());
+    for members in &set.members {
+        let rows = &set.rows[members.start * set.length..members.end * set.length];
+        let poses_deg = &set.poses_deg[members.clone()];
+        let space = match stages {
+            Stages::UniversalThenObject => Some(own_space(rows, set.length)?),
+            Stages::UniversalOnly => None,
+        };
+        let projected = match &space {
+            Some(space) => ProjectedViews::of(space, rows),
+            None => ProjectedViews::without_own_leverage(universal, rows, set.views.len()),
+        };
+        held_out.push(leave_each_out(&projected, poses_deg));
+        let views = ViewSet::new(&projected.points, poses_deg, projected.dimension);
+        let eigenpoints = if space.is_some() { projected.points } else { Vec::new() };
+        let part = ObjectPart { space, eigenpoints, ..ObjectPart::default() };
+        objects.push(KnownObject { label: set.views[members.start].label.clone(), part, views });
+    }
+    Ok((objects, held_out))
 }
 
 /// The eigenspace of one object's appearances: a mean and no direction if they are one or all alike.
@@ -234,59 +295,63 @@ fn own_space(rows: &[f32], length: usize) -> Result<Eigenspace, TrainingError> {
     }
 }
 
-/// Views as eigenpoints, and how far each lies from the space.
-struct Placed {
-    points: Vec<f32>,
-    outside: Vec<f64>,
-    dimension: usize,
+/// Views as eigenpoints, and the distance of each from the space.
+pub(super) struct ProjectedViews {
+    /// views × dimension, row-major.
+    pub points: Vec<f32>,
+    pub distances_from_space: Vec<f64>,
+    pub dimension: usize,
 }
 
-impl Placed {
-    fn all(space: &Eigenspace, rows: &[f32]) -> Placed {
-        let (points, outside): (Vec<_>, Vec<_>) =
+impl ProjectedViews {
+    fn of(space: &Eigenspace, rows: &[f32]) -> ProjectedViews {
+        let (points, distances_from_space): (Vec<_>, Vec<_>) =
             rows.chunks_exact(space.length()).map(|row| space.locate(row)).unzip();
-        Placed { points: points.concat(), outside, dimension: space.dimension() }
+        ProjectedViews { points: points.concat(), distances_from_space, dimension: space.dimension() }
     }
 
-    /// As far from the space as if the eigenspace of `count` views had been made without the view: its leverage on
-    /// the principal components is taken away.
-    fn as_if_left_out(space: &Eigenspace, rows: &[f32], count: usize) -> Placed {
-        let mut placed = Placed::all(space, rows);
+    /// With distances as if the eigenspace of `count` views had been fitted without each view: its leverage on the
+    /// principal components is removed.
+    fn without_own_leverage(space: &Eigenspace, rows: &[f32], count: usize) -> ProjectedViews {
+        let mut projected = ProjectedViews::of(space, rows);
         let degrees = count.saturating_sub(1).max(1) as f64;
-        for (outside, point) in placed.outside.iter_mut().zip(placed.points.chunks_exact(space.dimension())) {
+        let points = projected.points.chunks_exact(space.dimension());
+        for (distance, point) in projected.distances_from_space.iter_mut().zip(points) {
             let parts =
                 point.iter().zip(&space.eigenvalues).map(|(&z, v)| f64::from(z).powi(2) / (v * degrees));
             let leverage = 1.0 / count as f64 + parts.sum::<f64>();
-            *outside /= 1.0 - leverage.min(MOST_LEVERAGE);
+            *distance /= 1.0 - leverage.min(MAX_LEVERAGE);
         }
-        placed
+        projected
     }
 }
 
 /// B Fig. 9: how many held-out views have their nearest eigenpoint among their own object's, for the leading one
 /// coordinate, two, three …
-fn rate_by_dimension(whole: &Neighbourhood) -> Vec<DimensionRate> {
-    let (count, dimension) = (whole.owner.len(), whole.dimension);
-    let across: Vec<Vec<f32>> =
-        (0..dimension).map(|k| whole.points.iter().skip(k).step_by(dimension).copied().collect()).collect();
+fn rate_by_dimension(views: &LabelledPoints) -> Vec<DimensionRate> {
+    let (count, dimension) = (views.object_of_view.len(), views.dimension);
+    let columns: Vec<Vec<f32>> =
+        (0..dimension).map(|k| views.points.iter().skip(k).step_by(dimension).copied().collect()).collect();
     let mut right = vec![0; dimension];
     let mut trials = 0;
-    for view in (0..count).step_by(count.div_ceil(TRIALS)) {
-        let mut squares: Vec<f32> =
-            (0..count).map(|other| if whole.goes_with(other, view) { f32::INFINITY } else { 0.0 }).collect();
-        let own = whole.owner[view];
-        if !squares.iter().zip(whole.owner).any(|(square, &owner)| owner == own && square.is_finite()) {
+    for view in (0..count).step_by(count.div_ceil(MAX_TRIALS)) {
+        let mut squares: Vec<f32> = (0..count)
+            .map(|other| if views.is_left_out_with(other, view) { f32::INFINITY } else { 0.0 })
+            .collect();
+        let own = views.object_of_view[view];
+        let mut left = squares.iter().zip(views.object_of_view);
+        if !left.any(|(square, &object)| object == own && square.is_finite()) {
             continue;
         }
         trials += 1;
-        for (values, right) in across.iter().zip(&mut right) {
+        for (values, right) in columns.iter().zip(&mut right) {
             let query = values[view];
             squares.iter_mut().zip(values).for_each(|(square, v)| *square += (v - query) * (v - query));
             let least = squares
                 .iter()
                 .fold(f32::INFINITY, |least, &square| if square < least { square } else { least });
             let nearest = squares.iter().position(|&square| square == least);
-            *right += usize::from(nearest.is_some_and(|nearest| whole.owner[nearest] == own));
+            *right += usize::from(nearest.is_some_and(|nearest| views.object_of_view[nearest] == own));
         }
     }
     if trials == 0 {
@@ -295,30 +360,31 @@ fn rate_by_dimension(whole: &Neighbourhood) -> Vec<DimensionRate> {
     right.iter().enumerate().map(|(k, &right)| DimensionRate { dimension: k + 1, right, trials }).collect()
 }
 
-/// The least dimension whose rate is within a standard error of the best, and no less than [`LEAST_DIMENSION`]: few
-/// things are told apart by less, and new ones need more.
+/// The least dimension whose rate is within a standard error of the best, and no less than [`MIN_DIMENSION`]: few
+/// objects are told apart by less, and new ones need more.
 fn least_good(rates: &[DimensionRate]) -> Option<usize> {
     let share = |rate: &DimensionRate| rate.right as f64 / rate.trials as f64;
     let best = rates.iter().map(share).fold(0.0, f64::max);
     let error = (best * (1.0 - best) / rates.first()?.trials as f64).sqrt();
     let least = rates.iter().find(|rate| share(rate) >= best - error)?;
-    Some(least.dimension.max(LEAST_DIMENSION).min(rates.len()))
+    Some(least.dimension.max(MIN_DIMENSION).min(rates.len()))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{canvas, thing, turntable, view};
+    use super::super::ObjectParts;
+    use super::super::test_pictures::{normaliser, thing, turntable, view};
     use super::*;
     use crate::imaging::{Frame, Image};
 
     fn trained(views: Vec<View>) -> (Objects, TrainingReport) {
         let options = ObjectOptions::default();
-        Objects::train(views, &canvas(&options), &options).unwrap()
+        train(views, &normaliser(&options), &options).unwrap()
     }
 
     fn refused(views: Vec<View>) -> TrainingError {
         let options = ObjectOptions::default();
-        Objects::train(views, &canvas(&options), &options).err().unwrap()
+        train(views, &normaliser(&options), &options).err().unwrap()
     }
 
     #[test]
@@ -327,9 +393,9 @@ mod tests {
         let mut shuffled = views.clone();
         shuffled.reverse();
         shuffled.swap(3, 17);
-        let ((a, told_a), (b, told_b)) = (trained(views), trained(shuffled));
-        assert_eq!(a.to_parts(), b.to_parts());
-        assert_eq!(told_a, told_b);
+        let ((a, report_a), (b, report_b)) = (trained(views), trained(shuffled));
+        assert_eq!(ObjectParts::from(&a), ObjectParts::from(&b));
+        assert_eq!(report_a, report_b);
     }
 
     #[test]
@@ -349,14 +415,14 @@ mod tests {
             assert!(object.gaps.is_empty() && object.threshold.unwrap() > 0.0);
         }
         assert!((0.5..1.0).contains(&report.energy_kept) && report.spectrum.len() == 120);
-        let told: usize = report.confusion.iter().map(|confusion| confusion.times).sum();
-        assert_eq!(told, held_out.known - held_out.known_right);
+        let confused: usize = report.confusion.iter().map(|confusion| confusion.times).sum();
+        assert_eq!(confused, held_out.known - held_out.known_right);
     }
 
     #[test]
-    fn exemplars_that_are_cut_out_badly_are_told() {
+    fn exemplars_that_are_cropped_badly_are_reported() {
         let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
-        let canvas = Canvas::new(&options, (96, 96));
+        let normaliser = Normaliser::new(&options, (96, 96));
         let discs = |places: &[(f64, f64)]| {
             Frame::gray(Image::from_fn(96, 96, |x, y| {
                 let near = |(to_x, to_y): &(f64, f64)| (x as f64 - to_x).hypot(y as f64 - to_y) < 15.0;
@@ -369,8 +435,9 @@ mod tests {
             ("two", discs(&[(24.0, 40.0), (70.0, 60.0)])),
             ("none", discs(&[])),
         ];
-        let views = views.map(|(id, frame)| View { id: id.into(), ..view(&canvas, "disc", None, &frame) });
-        let (_, report) = Objects::train(views.to_vec(), &canvas, &options).unwrap();
+        let views =
+            views.map(|(id, frame)| View { id: id.into(), ..view(&normaliser, "disc", None, &frame) });
+        let (_, report) = train(views.to_vec(), &normaliser, &options).unwrap();
         assert_eq!(report.touches_border, ["cut"]);
         assert_eq!(report.several_regions, ["two"]);
         assert_eq!(report.blank, ["none"]);
@@ -379,7 +446,7 @@ mod tests {
     #[test]
     fn what_is_wrong_with_exemplars_is_told() {
         let options = ObjectOptions::default();
-        let canvas = canvas(&options);
+        let normaliser = normaliser(&options);
         let mut views = turntable(2, 10, &options);
         views.retain(|view| view.label != "thing1" || !(120.0..160.0).contains(&view.pose_deg.unwrap()));
         let glare = Frame::gray(Image::from_fn(48, 48, |x, _| if x < 20 { 255.0 } else { 10.0 }));
@@ -389,9 +456,9 @@ mod tests {
         for (id, pose, frame) in
             [("glare", 1.0, &glare), ("dim", 2.0, &dim), ("black", 3.0, &black), ("half", 4.0, &half)]
         {
-            views.push(View { id: id.into(), ..view(&canvas, "odd", Some(pose), frame) });
+            views.push(View { id: id.into(), ..view(&normaliser, "odd", Some(pose), frame) });
         }
-        views.push(View { id: "again".into(), ..view(&canvas, "odd", Some(2.0), &dim) });
+        views.push(View { id: "again".into(), ..view(&normaliser, "odd", Some(2.0), &dim) });
         let (_, report) = trained(views);
         assert_eq!(
             (report.over_exposed, report.resized),
@@ -417,19 +484,19 @@ mod tests {
         assert_eq!(refused(twice), TrainingError::DuplicateId { id: views[0].id.clone() });
         let mut other = views.clone();
         other[2].pose_deg = Some(360.0);
-        assert_eq!(refused(other), TrainingError::OtherCanvas { id: views[2].id.clone() });
+        assert_eq!(refused(other), TrainingError::OtherNormaliser { id: views[2].id.clone() });
         let bad = ObjectOptions { accept: 2.0, ..options.clone() };
-        let error = Objects::train(views, &canvas(&options), &bad).err().unwrap();
+        let error = train(views, &normaliser(&options), &bad).err().unwrap();
         assert!(matches!(error, TrainingError::Options { faults } if faults.len() == 1));
     }
 
     #[test]
     fn ten_thousand_identical_pictures_and_one_other_are_trained_or_refused_with_a_reason() {
         let options = ObjectOptions { dimension: Dimension::Fixed(4), ..ObjectOptions::default() };
-        let canvas = Canvas::new(&options, (8, 8));
+        let normaliser = Normaliser::new(&options, (8, 8));
         let flat = |level: f32| Frame::gray(Image::from_fn(8, 8, |_, _| level));
         let alike = |level: f32| -> Vec<View> {
-            let appearance = canvas.appearance(&flat(level)).unwrap();
+            let appearance = normaliser.appearance(&flat(level)).unwrap();
             let label = |n: usize| format!("flat{}", n % 3);
             let view = |n: usize| View {
                 id: n.to_string(),
@@ -439,14 +506,14 @@ mod tests {
             };
             (0..10_000).map(view).collect()
         };
-        let train = |views| Objects::train(views, &canvas, &options).map(|(model, _)| model);
+        let train = |views| train(views, &normaliser, &options).map(|(model, _)| model);
         assert_eq!(train(alike(120.0)).err(), Some(TrainingError::AllEqual));
         assert_eq!(train(alike(255.0)).err(), Some(TrainingError::AllEqual));
         // All black: nothing of it is an appearance.
         assert_eq!(train(alike(0.0)).err(), Some(TrainingError::TooFew { views: 0 }));
         let mut views = alike(120.0);
         let slope = Frame::gray(Image::from_fn(8, 8, |x, _| 30.0 * x as f32));
-        views.push(view(&canvas, "slope", None, &slope));
+        views.push(view(&normaliser, "slope", None, &slope));
         let model = train(views).unwrap();
         let nearest = |frame: &Frame| model.recognise(frame, |_| ()).unwrap().candidates[0].label.clone();
         assert_eq!(nearest(&slope), "slope");
@@ -457,7 +524,7 @@ mod tests {
     fn a_label_with_one_view_stands_beside_others() {
         let options = ObjectOptions::default();
         let mut views = turntable(3, 15, &options);
-        views.push(view(&canvas(&options), "lonely", Some(0.0), &thing(9, 0.0)));
+        views.push(view(&normaliser(&options), "lonely", Some(0.0), &thing(9, 0.0)));
         let (model, report) = trained(views);
         assert_eq!(report.objects[0].pose, None);
         let decision = model.recognise(&thing(9, 0.5), |_| ()).unwrap().decision.unwrap();

@@ -1,7 +1,7 @@
-//! The background of a picture: the mean of the square around each pixel, of what stands near it only.
+//! The background of a picture: the mean of the square around each pixel, of background pixels only.
 //!
-//! It changes slowly, so it is known by blocks of pixels, a sixteenth of the square's side, and drawn between their
-//! middles: an eighth of the work, and no grey level's difference.
+//! It changes slowly, so it has one mean for each block of pixels, a sixteenth of the square's side, and is interpolated
+//! between the blocks' middles: an eighth of the work, and less than a gray level's difference.
 
 /// Blocks along the side of a square.
 const BLOCKS: usize = 16;
@@ -31,13 +31,35 @@ impl Background {
         Background { width, height, side, radius, columns, rows, means: vec![0.0; columns * rows] }
     }
 
-    /// Take the means of the pixels that are at most `offset` above `ground`; where hardly one is, the mean before
-    /// stays.
-    pub fn take_means(&mut self, levels: &[f32], ground: &[f32], offset: f32) {
+    /// Updates the means, of the pixels that are at most `offset` above `ground`; where hardly one is, the mean stays as
+    /// it was.
+    pub fn update(&mut self, levels: &[f32], ground: &[f32], offset: f32) {
         if self.means.is_empty() {
             return;
         }
-        // Integrals of grey levels and of pixels over the blocks, with a row and a column of nothing before the first.
+        let (sums, counts) = self.integrals(levels, ground, offset);
+        let (side, radius, stride) = (self.side, self.radius, self.columns + 1);
+        for row in 0..self.rows {
+            let (top, bottom) = (row.saturating_sub(radius), (row + radius + 1).min(self.rows));
+            for column in 0..self.columns {
+                let (left, right) = (column.saturating_sub(radius), (column + radius + 1).min(self.columns));
+                let within = |integral: &[f64]| {
+                    let at = |row: usize, column: usize| integral[row * stride + column];
+                    at(bottom, right) - at(top, right) - at(bottom, left) + at(top, left)
+                };
+                let count = within(&counts);
+                let height = (bottom * side).min(self.height) - top * side;
+                let width = (right * side).min(self.width) - left * side;
+                if count > LEAST_PART * (width * height) as f64 {
+                    self.means[row * self.columns + column] = (within(&sums) / count) as f32;
+                }
+            }
+        }
+    }
+
+    /// Integral images, by blocks, of the gray levels and of the number of background pixels, with a row and a column of
+    /// zeros before the first.
+    fn integrals(&self, levels: &[f32], ground: &[f32], offset: f32) -> (Vec<f64>, Vec<f64>) {
         let stride = self.columns + 1;
         let mut sums = vec![0.0_f64; stride * (self.rows + 1)];
         let mut counts = sums.clone();
@@ -64,45 +86,29 @@ impl Background {
                 counts[at] = counts[at - stride] + count;
             }
         }
-        let (side, radius) = (self.side, self.radius);
-        for row in 0..self.rows {
-            let (top, bottom) = (row.saturating_sub(radius), (row + radius + 1).min(self.rows));
-            for column in 0..self.columns {
-                let (left, right) = (column.saturating_sub(radius), (column + radius + 1).min(self.columns));
-                let within = |integral: &[f64]| {
-                    let at = |row: usize, column: usize| integral[row * stride + column];
-                    at(bottom, right) - at(top, right) - at(bottom, left) + at(top, left)
-                };
-                let count = within(&counts);
-                let height = (bottom * side).min(self.height) - top * side;
-                let width = (right * side).min(self.width) - left * side;
-                if count > LEAST_PART * (width * height) as f64 {
-                    self.means[row * self.columns + column] = (within(&sums) / count) as f32;
-                }
-            }
-        }
+        (sums, counts)
     }
 
-    /// Draw the means as a picture: each stands in the middle of its block, and between them it is linear.
-    pub fn draw(&self, out: &mut [f32]) {
+    /// Writes the background of every pixel: bilinear between the middles of the blocks.
+    pub fn interpolate(&self, out: &mut [f32]) {
         if self.means.is_empty() {
             return;
         }
-        let ways: Vec<Way> = (0..self.width).map(|x| self.way(x, self.columns)).collect();
-        // The rows of blocks before and after the pixels' row, drawn out to the picture's width.
-        let drawn_out = |row: usize, out: &mut [f32]| {
+        let columns: Vec<Between> = (0..self.width).map(|x| self.between(x, self.columns)).collect();
+        // A row of blocks, interpolated to the picture's width.
+        let stretched = |row: usize, out: &mut [f32]| {
             let means = &self.means[row * self.columns..][..self.columns];
-            for (out, way) in out.iter_mut().zip(&ways) {
-                *out = means[way.before] + way.part * (means[way.after] - means[way.before]);
+            for (out, place) in out.iter_mut().zip(&columns) {
+                *out = means[place.before] + place.part * (means[place.after] - means[place.before]);
             }
         };
         let (mut upper, mut lower) = (vec![0.0; self.width], vec![0.0; self.width]);
         let mut drawn = None;
         for (y, out) in out.chunks_exact_mut(self.width).enumerate() {
-            let Way { before, after, part } = self.way(y, self.rows);
+            let Between { before, after, part } = self.between(y, self.rows);
             if drawn != Some(before) {
-                drawn_out(before, &mut upper);
-                drawn_out(after, &mut lower);
+                stretched(before, &mut upper);
+                stretched(after, &mut lower);
                 drawn = Some(before);
             }
             for ((out, upper), lower) in out.iter_mut().zip(&upper).zip(&lower) {
@@ -111,16 +117,16 @@ impl Background {
         }
     }
 
-    /// Where a pixel is between the middles of so many blocks; at the border it stays with the last.
-    fn way(&self, at: usize, blocks: usize) -> Way {
+    /// The place of a pixel between the middles of so many blocks; beyond the outermost middle, that middle.
+    fn between(&self, at: usize, blocks: usize) -> Between {
         let place = ((at as f32 + 0.5) / self.side as f32 - 0.5).clamp(0.0, (blocks - 1) as f32);
         let before = place as usize;
-        Way { before, after: (before + 1).min(blocks - 1), part: place - before as f32 }
+        Between { before, after: (before + 1).min(blocks - 1), part: place - before as f32 }
     }
 }
 
 /// A place between two blocks, and how far it is from the first to the second.
-struct Way {
+struct Between {
     before: usize,
     after: usize,
     part: f32,
@@ -136,7 +142,7 @@ mod tests {
 
     fn means(levels: &[f32], width: usize, window: usize) -> Background {
         let mut background = Background::new(width, levels.len() / width, window);
-        background.take_means(levels, &vec![f32::INFINITY; levels.len()], 0.0);
+        background.update(levels, &vec![f32::INFINITY; levels.len()], 0.0);
         background
     }
 
@@ -147,7 +153,7 @@ mod tests {
         for window in [3, 7, 31] {
             let mut background = means(&levels, width, window);
             let whole = background.means.clone();
-            background.take_means(&levels, &whole, 5.0);
+            background.update(&levels, &whole, 5.0);
             let radius = window / 2;
             for at in 0..levels.len() {
                 let near = |other: &usize| {
@@ -173,7 +179,7 @@ mod tests {
         let background = means(&levels, width, 64);
         assert_eq!(background.side, 4);
         let mut drawn = vec![0.0; levels.len()];
-        background.draw(&mut drawn);
+        background.interpolate(&mut drawn);
         for (x, y) in [(0, 0), (100, 70), (202, 148), (31, 90), (150, 3)] {
             let inside = |at: &usize| (at % width).abs_diff(x) <= 32 && (at / width).abs_diff(y) <= 32;
             let around: Vec<f32> = (0..levels.len()).filter(inside).map(|at| levels[at]).collect();
@@ -187,7 +193,7 @@ mod tests {
     fn where_nothing_is_near_the_mean_stays() {
         let levels = vec![50.0; 40 * 30];
         let mut background = means(&levels, 40, 16);
-        background.take_means(&levels, &levels, -1.0);
+        background.update(&levels, &levels, -1.0);
         assert!(background.means.iter().all(|&mean| mean == 50.0));
     }
 }

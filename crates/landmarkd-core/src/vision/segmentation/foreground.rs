@@ -1,39 +1,39 @@
-//! What stands out from the background: by the mean of the background around each pixel, or by Otsu's level.
+//! The foreground: by the mean of the background around each pixel, or by Otsu's level.
 //!
-//! The background is looked for three times. The mean around a pixel tells a lower class; that class's mean, what is
-//! near the background; and the mean of that, without what stands out, is the background. So bright parts don't lift
+//! The background is estimated in three rounds. The mean around a pixel separates a lower class; that class's mean, what
+//! is near the background; and the mean of that is the background. So bright parts don't lift
 //! the background around them, and a part needn't be smaller than half the window to be whole. The text takes the mean
 //! alone.
 
 use super::SegmentationOptions;
 use super::background::Background;
 
-/// How far a pixel must stand out at least, in grey levels.
+/// The least offset, in gray levels.
 const LEAST_OFFSET: f32 = 10.0;
-/// How far it must stand out at most, if the offset is chosen.
+/// The largest offset that is chosen automatically.
 const MOST_OFFSET: f32 = 60.0;
 /// The chosen offset in standard deviations of the background.
 const OFFSET_SIGMAS: f32 = 4.0;
 /// The window is the picture's shorter side by this, if it is chosen.
 const WINDOWS_A_SIDE: usize = 3;
-/// Of so many rows, one is looked at for the deviation of the background.
+/// One row in so many counts for the deviation of the background.
 const EVERY_ROW: usize = 4;
 /// From a median absolute deviation to a standard deviation.
 const SIGMAS_A_DEVIATION: f32 = 1.4826;
-/// Steps of deviations in grey levels, and how many there are.
+/// Steps of deviations in gray levels, and how many there are.
 const DEVIATION_STEP: f32 = 0.125;
 const DEVIATION_STEPS: usize = 1024;
 
 /// A picture over its background.
 pub(super) struct Foreground {
-    /// By how much each pixel is brighter than its background, in grey levels, row-major.
+    /// By how much each pixel is brighter than its background, in gray levels, row-major.
     pub above: Vec<f32>,
     /// By how much it must be.
     pub offset: f32,
 }
 
 impl Foreground {
-    /// Of a picture in which what is looked for is light, `width` pixels a row, by its background.
+    /// Of a picture of light objects, `width` pixels a row, by its background.
     pub fn of(levels: &[f32], width: usize, options: &SegmentationOptions) -> Foreground {
         let height = levels.len() / width.max(1);
         let side = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
@@ -41,8 +41,8 @@ impl Foreground {
         let mut background = Background::new(width, height, side); // B§3
         let mut ground = vec![f32::INFINITY; levels.len()];
         for offset in [0.0, 0.0, near] {
-            background.take_means(levels, &ground, offset);
-            background.draw(&mut ground);
+            background.update(levels, &ground, offset);
+            background.interpolate(&mut ground);
         }
         let mut above = ground;
         above.iter_mut().zip(levels).for_each(|(above, v)| *above = v - *above);
@@ -54,7 +54,7 @@ impl Foreground {
     }
 }
 
-/// Otsu's level: the one between two classes of grey levels whose means are farthest apart, by their variance.
+/// Otsu's level: the one between two classes of gray levels whose means are farthest apart, by their variance.
 /// "At most" is background. Pictures of one level have none that is above it.
 pub(super) fn otsu_level(levels: &[f32]) -> f32 {
     let mut counts = [0_usize; 256];

@@ -1,36 +1,21 @@
-//! Dark places of a part: what is enclosed by what stands out, and is darker than the background, belongs to the part.
+//! Dark holes of a part: what the foreground encloses, and is darker than the background, belongs to the part.
 //!
-//! A handle's opening shows the background and stays open; a car's wheel doesn't and is filled.
+//! A handle's opening shows the background and stays open; a car's wheel is darker and is filled.
 
 use std::ops::Range;
 
 use super::components::{Run, Touching, components};
 use super::foreground::Foreground;
 
-/// Gaps of twice as many pixels don't open a hole to the outside.
+/// Reach of the closing square: gaps of twice as many pixels don't open a hole to the outside.
 const REACH_PX: usize = 3;
 /// A hole is dark if it is below the background by this part of the offset.
 const DARK_PART: f64 = 0.5;
 
-/// Fill the dark holes of a mask of 0 and 1, each within one part: what is dark between two parts, of at least
+/// Fills the dark holes of a mask of 0 and 1, each within one part: what is dark between two parts, of at least
 /// `smallest_px` both, is their shadow.
 pub(super) fn fill_dark_holes(mask: &mut [u8], width: usize, foreground: &Foreground, smallest_px: usize) {
-    let mut open = closed(mask, width);
-    open.iter_mut().for_each(|v| *v = 1 - *v);
-    let height = mask.len() / width.max(1);
-    // What is open to the picture's border is no hole.
-    let (runs, count) = components(&open, width, Touching::Sides);
-    let mut outside = vec![false; count];
-    for run in &runs {
-        let Range { start, end } = run.columns();
-        let at_border = run.row() == 0 || run.row() + 1 == height || start == 0 || end == width;
-        outside[run.component()] |= at_border;
-    }
-    let mut holes: Vec<u8> = mask.iter().map(|v| 1 - v).collect();
-    for run in runs.iter().filter(|run| outside[run.component()]) {
-        holes[run.row() * width..][run.columns()].fill(0);
-    }
-    let (mut holes, count) = components(&holes, width, Touching::Sides);
+    let (mut holes, count) = components(&enclosed(mask, width), width, Touching::Sides);
     let mut sums = vec![(0.0, 0_usize); count];
     for run in &holes {
         let above = &foreground.above[run.row() * width..][run.columns()];
@@ -46,22 +31,47 @@ pub(super) fn fill_dark_holes(mask: &mut [u8], width: usize, foreground: &Foregr
     if holes.is_empty() {
         return;
     }
-    let beside = neighbours(mask, width, &holes, count, smallest_px);
-    for run in holes.iter().filter(|run| beside[run.component()] == Beside::One) {
+    let adjoining = adjoining_parts(mask, width, &holes, count, smallest_px);
+    for run in holes.iter().filter(|run| matches!(adjoining[run.component()], Adjoining::One(_))) {
         mask[run.row() * width..][run.columns()].fill(1);
     }
 }
 
-/// Of how many parts a hole's neighbours are.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Beside {
+/// The background that the closed mask separates from the picture's border, as a mask.
+fn enclosed(mask: &[u8], width: usize) -> Vec<u8> {
+    let mut open = closed(mask, width);
+    open.iter_mut().for_each(|v| *v = 1 - *v);
+    let height = mask.len() / width.max(1);
+    let (runs, count) = components(&open, width, Touching::Sides);
+    let mut outside = vec![false; count];
+    for run in &runs {
+        let Range { start, end } = run.columns();
+        let at_border = run.row() == 0 || run.row() + 1 == height || start == 0 || end == width;
+        outside[run.component()] |= at_border;
+    }
+    let mut holes: Vec<u8> = mask.iter().map(|v| 1 - v).collect();
+    for run in runs.iter().filter(|run| outside[run.component()]) {
+        holes[run.row() * width..][run.columns()].fill(0);
+    }
+    holes
+}
+
+/// The parts that adjoin a hole.
+#[derive(Clone, Copy)]
+enum Adjoining {
     None,
-    One,
+    One(u32),
     Several,
 }
 
-/// For each hole, of so many, the parts of the mask that its runs touch; a splinter is no part.
-fn neighbours(mask: &[u8], width: usize, holes: &[Run], count: usize, smallest_px: usize) -> Vec<Beside> {
+/// For each of `count` holes, the parts of the mask that its runs touch; a component below `smallest_px` is no part.
+fn adjoining_parts(
+    mask: &[u8],
+    width: usize,
+    holes: &[Run],
+    count: usize,
+    smallest_px: usize,
+) -> Vec<Adjoining> {
     let (parts, part_count) = components(mask, width, Touching::Corners);
     let mut areas = vec![0; part_count];
     parts.iter().for_each(|run| areas[run.component()] += run.columns().len());
@@ -70,33 +80,30 @@ fn neighbours(mask: &[u8], width: usize, holes: &[Run], count: usize, smallest_p
         part[run.row() * width..][run.columns()].fill(run.component() as u32);
     }
     let height = mask.len() / width;
-    let mut beside = vec![Beside::None; count];
-    let mut first = vec![u32::MAX; count];
+    let mut adjoining = vec![Adjoining::None; count];
     for run in holes {
         let Range { start, end } = run.columns();
+        let adjoining = &mut adjoining[run.component()];
         for row in run.row().saturating_sub(1)..(run.row() + 2).min(height) {
-            for &part in &part[row * width..][start.saturating_sub(1)..(end + 1).min(width)] {
-                let (beside, first) = (&mut beside[run.component()], &mut first[run.component()]);
-                if part == u32::MAX {
-                    continue;
-                }
-                match *beside {
-                    Beside::None => (*beside, *first) = (Beside::One, part),
-                    _ if *first != part => *beside = Beside::Several,
-                    _ => {}
-                }
+            let around = &part[row * width..][start.saturating_sub(1)..(end + 1).min(width)];
+            for &part in around.iter().filter(|&&part| part != u32::MAX) {
+                *adjoining = match *adjoining {
+                    Adjoining::None => Adjoining::One(part),
+                    Adjoining::One(first) if first == part => Adjoining::One(first),
+                    _ => Adjoining::Several,
+                };
             }
         }
     }
-    beside
+    adjoining
 }
 
 /// The morphological closing of a mask of 0 and 1 by a square: gaps too narrow for it are filled, but not those to the
 /// picture's border.
 fn closed(mask: &[u8], width: usize) -> Vec<u8> {
     let height = mask.len() / width.max(1);
-    let grown = spread(mask, width, |a, b| a | b);
-    let mut closed = spread(&grown, width, |a, b| a & b);
+    let dilated = over_square(mask, width, |a, b| a | b);
+    let mut closed = over_square(&dilated, width, |a, b| a & b);
     for (y, (row, mask)) in
         closed.chunks_exact_mut(width.max(1)).zip(mask.chunks_exact(width.max(1))).enumerate()
     {
@@ -110,8 +117,8 @@ fn closed(mask: &[u8], width: usize) -> Vec<u8> {
     closed
 }
 
-/// Each pixel with all in the square around it, as far as that is in the picture.
-fn spread(mask: &[u8], width: usize, join: impl Fn(u8, u8) -> u8 + Copy) -> Vec<u8> {
+/// Each pixel joined with all in the square around it, within the picture: dilation by `|`, erosion by `&`.
+fn over_square(mask: &[u8], width: usize, join: impl Fn(u8, u8) -> u8 + Copy) -> Vec<u8> {
     let mut rows = mask.to_vec();
     for (out, row) in rows.chunks_exact_mut(width.max(1)).zip(mask.chunks_exact(width.max(1))) {
         for reach in 1..=REACH_PX.min(width.saturating_sub(1)) {

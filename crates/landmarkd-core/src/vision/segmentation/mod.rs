@@ -1,4 +1,4 @@
-//! Segmentation (B§3): threshold, connected components, and what is known of each region.
+//! Segmentation (B§3): threshold, connected components, and the properties of each region.
 //!
 //! Pixels as everywhere: x right, y down, the origin at the centre of the top-left one. Angles turn x towards y.
 
@@ -24,10 +24,10 @@ use crate::imaging::Image;
 /// A region's least area is this part of the picture, if it is chosen, and at least so many pixels.
 const SMALLEST_PART: usize = 500;
 const SMALLEST_PX: usize = 16;
-/// The brightest grey level.
+/// The brightest gray level.
 const WHITE: f32 = 255.0;
 
-/// A picture taken apart into regions and background.
+/// A picture divided into regions and background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segmentation {
     width: usize,
@@ -96,22 +96,12 @@ pub fn segmented(luminance: &Image, options: &SegmentationOptions) -> Segmentati
         options.min_area_px.unwrap_or_else(|| (width * height / SMALLEST_PART).max(SMALLEST_PX));
     let mask = mask(luminance, options, smallest_px); // B§3, threshold
     let (mut runs, count) = components(&mask, width, Touching::Corners); // B§3, labelling
-    let mut areas = vec![0_u32; count];
-    runs.iter().for_each(|run| areas[run.component()] += run.columns().len() as u32);
-    let mut largest: Vec<usize> = (0..count).filter(|&c| areas[c] as usize >= smallest_px).collect();
-    largest.sort_by_key(|&component| std::cmp::Reverse(areas[component]));
-    let found = largest.len();
-    largest.truncate(options.max_objects);
-    let mut ids = vec![0_u16; count];
-    for (component, id) in largest.iter().zip(1..) {
-        ids[*component] = id;
-    }
+    let (ids, found) = ids_by_area(&runs, count, smallest_px, options.max_objects);
     let id = |run: &Run| usize::from(ids[run.component()]);
     runs.retain(|run| id(run) != 0);
     runs.sort_by_key(id);
     let mut labels = vec![0; width * height];
-    let mut ends = Vec::with_capacity(largest.len());
-    let mut regions = Vec::with_capacity(largest.len());
+    let (mut ends, mut regions) = (Vec::new(), Vec::new());
     for runs in runs.chunk_by(|a, b| a.component() == b.component()) {
         let mut sums = Sums::NONE;
         for run in runs {
@@ -124,7 +114,21 @@ pub fn segmented(luminance: &Image, options: &SegmentationOptions) -> Segmentati
     Segmentation { width, height, polarity: options.polarity, labels, runs, ends, regions, found }
 }
 
-/// The regions of a picture that an object may fill most of: unless a window is given, the background is looked for in
+/// The id of each component, from 1 for the largest on; 0 for those too small and those beyond `most`. And how many are
+/// large enough.
+fn ids_by_area(runs: &[Run], count: usize, smallest_px: usize, most: usize) -> (Vec<u16>, usize) {
+    let mut areas = vec![0_u32; count];
+    runs.iter().for_each(|run| areas[run.component()] += run.columns().len() as u32);
+    let mut largest: Vec<usize> = (0..count).filter(|&c| areas[c] as usize >= smallest_px).collect();
+    largest.sort_by_key(|&component| std::cmp::Reverse(areas[component])); // stable
+    let mut ids = vec![0_u16; count];
+    for (component, id) in largest.iter().take(most).zip(1..) {
+        ids[*component] = id;
+    }
+    (ids, largest.len())
+}
+
+/// The regions of a picture that an object may fill most of: unless a window is given, the background is estimated in
 /// squares of the picture's shorter side.
 pub fn segmented_from_near(luminance: &Image, options: &SegmentationOptions) -> Segmentation {
     let shorter_px = luminance.width().min(luminance.height()).clamp(3, MAX_WINDOW_PX);
@@ -134,7 +138,7 @@ pub fn segmented_from_near(luminance: &Image, options: &SegmentationOptions) -> 
     )
 }
 
-/// 1 where something stands out, else 0.
+/// 1 in the foreground, else 0.
 fn mask(luminance: &Image, options: &SegmentationOptions, smallest_px: usize) -> Vec<u8> {
     let width = luminance.width();
     let negative: Vec<f32>;

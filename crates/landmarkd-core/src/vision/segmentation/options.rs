@@ -2,7 +2,7 @@
 
 use crate::vision::OptionFault;
 
-/// What a pixel is held against.
+/// What a pixel is compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Threshold {
     /// The mean of the background around it, and an offset.
@@ -16,24 +16,28 @@ pub enum Threshold {
 /// What objects look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Polarity {
+    /// Objects are lighter than the background.
     LightOnDark,
+    /// Objects are darker than the background.
     DarkOnLight,
 }
 
 /// All options of a segmentation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentationOptions {
+    /// What separates objects from the background.
     pub threshold: Threshold,
-    /// Adaptive only: side of the square that the background is looked for in, 3..=4095 px; `None`: a third of the
-    /// picture's shorter side, or all of it where a picture is taken from near.
+    /// Adaptive only: side of the square that the background is estimated in, 3..=4095 px; `None`: a third of the
+    /// picture's shorter side, or all of it where one object fills the picture.
     pub window_px: Option<usize>,
-    /// Adaptive only: how far a pixel must stand out from the background, 0..=255 grey levels; `None`: four standard
+    /// Adaptive only: least difference of a pixel from the background, 0..=255 gray levels; `None`: four standard
     /// deviations of the background, 10 at least and 60 at most.
     pub offset: Option<f64>,
+    /// Whether objects are light or dark.
     pub polarity: Polarity,
     /// Smaller regions are specks, from 1; `None`: a 500th of the picture, at least 16.
     pub min_area_px: Option<usize>,
-    /// Most regions that are told of, the largest, 1..=1000.
+    /// Most regions in the result, the largest, 1..=1000.
     pub max_objects: usize,
 }
 

@@ -16,6 +16,7 @@ pub struct Region {
     pub area_px: usize,
     /// The mean of its pixels, x and y.
     pub centroid_px: [f64; 2],
+    /// The smallest upright rectangle around it.
     pub bbox_px: BoundingBox,
     /// Direction of its principal axis, in [−90, 90), from x towards y; `None` if it is about as broad as long.
     pub orientation_deg: Option<f64>,
@@ -32,7 +33,9 @@ pub struct BoundingBox {
     pub x: usize,
     /// Its upper row.
     pub y: usize,
+    /// Columns.
     pub width: usize,
+    /// Rows.
     pub height: usize,
 }
 
