@@ -12,10 +12,11 @@ fn depth(criterion: &mut Criterion) {
     let optics = bench_optics(8.0, true);
     let camera = Camera { width: 512, height: 480, ..Camera::new(optics) };
     let seen = camera.photograph(&Scene::new(Relief::Slant, Texture::Gravel, 1));
-    let (pair, files) = (seen.pair().unwrap(), seen.pngs());
+    let (pair, files) = (seen.pair().expect("the bench's own input is valid"), seen.pngs());
     let calibration = Calibration::of(optics);
     let made = |method, window| {
-        Estimator::new(&calibration, &DepthOptions { method, window, ..DepthOptions::default() }).unwrap()
+        Estimator::new(&calibration, &DepthOptions { method, window, ..DepthOptions::default() })
+            .expect("the bench's own input is valid")
     };
     let gram = made(Method::Gram, Window::Auto);
     let cases = [
@@ -27,13 +28,18 @@ fn depth(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("depth");
     group.sample_size(20);
     group.bench_function("baseline: decode both", |bencher| {
-        bencher
-            .iter(|| files.each_ref().map(|file| decode(black_box(file), &DecodeLimits::default()).unwrap()));
+        bencher.iter(|| {
+            files.each_ref().map(|file| {
+                decode(black_box(file), &DecodeLimits::default()).expect("the bench's own input is valid")
+            })
+        });
     });
     group.bench_function("design the kernels", |bencher| bencher.iter(|| made(Method::Gram, Window::Auto)));
     for (name, estimator) in &cases {
         group.bench_function(*name, |bencher| {
-            bencher.iter(|| estimator.estimate(black_box(&pair), &mut |_| {}).unwrap());
+            bencher.iter(|| {
+                estimator.estimate(black_box(&pair), &mut |_| {}).expect("the bench's own input is valid")
+            });
         });
     }
     for (name, stage) in [
@@ -52,7 +58,7 @@ fn depth(criterion: &mut Criterion) {
                         since = Instant::now();
                         all += if done == stage { took } else { Duration::ZERO };
                     })
-                    .unwrap();
+                    .expect("the bench's own input is valid");
                 }
                 all
             });
