@@ -243,7 +243,7 @@ async fn back_up(data_dir: &Path, to: &Path) -> anyhow::Result<()> {
 async fn verify(data_dir: &Path) -> anyhow::Result<()> {
     let folder = store::open_unlocked_folder(data_dir).await?;
     let mut faults = store::catalogue_faults(data_dir).await?;
-    let verified = database::verify(&*folder.catalogue, &folder.blobs).await?;
+    let verified = database::verify(&folder.catalogue, &folder.blobs).await?;
     faults.extend(verified.faults);
     for fault in &faults {
         println!("{fault}");
