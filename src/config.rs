@@ -324,14 +324,14 @@ pub struct TlsFiles {
 /// What is refused before it costs anything. `GET /v1/info` shows these.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Limits {
-    /// A camera frame of 40 Mpx as JPEG is 8–12 MB; 16 MiB leaves room.
+    /// A phone's picture of 48 Mpx as JPEG is 8–15 MB; 16 MiB leaves room.
     pub max_body_bytes: u64,
     /// Longest side of a picture.
     pub max_side_px: u32,
-    /// Most pixels of a picture. 40 Mpx in colour take 1.9 GB while they are worked on (see `Header::working_bytes`):
+    /// Most pixels of a picture. 50 Mpx in colour take 2.4 GB while they are worked on (see `Header::working_bytes`):
     /// more than a lane's budget, so such a picture runs alone.
     pub max_pixels: u64,
-    /// What one decoder may allocate: 40 Mpx × 6 bytes (16-bit colour) = 240 MB, rounded up to 256 MiB.
+    /// What one decoder may allocate: 50 Mpx × 6 bytes (16-bit colour) = 300 MB, rounded up to 288 MiB.
     pub max_decode_bytes: u64,
     /// What all pictures being worked on may take together: 1 GiB is a hundred frames of 640×480 in colour.
     pub max_decode_bytes_total: u64,
@@ -372,8 +372,8 @@ impl Default for Limits {
         Self {
             max_body_bytes: 16 << 20,
             max_side_px: 8192,
-            max_pixels: 40_000_000,
-            max_decode_bytes: 256 << 20,
+            max_pixels: 50_000_000,
+            max_decode_bytes: 288 << 20,
             max_decode_bytes_total: 1 << 30,
             max_body_bytes_total: 1 << 30,
             max_batch_parts: 1000,

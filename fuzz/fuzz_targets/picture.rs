@@ -1,7 +1,7 @@
 //! The image wrapper: a picture's header and its pixels, under limits.
 #![no_main]
 
-use landmarkd_core::imaging::{DecodeLimits, decode, read_header};
+use landmarkd_core::imaging::{DecodeLimits, decode, decode_reduced, read_header};
 use landmarkd_fuzz::seeds;
 use libfuzzer_sys::fuzz_target;
 
@@ -18,6 +18,9 @@ fuzz_target!(init: seeds::write(seeds::pictures), |bytes: &[u8]| {
     assert!(size_px == (width_px, height_px) || size_px == (height_px, width_px), "{header:?} {size_px:?}");
     assert!(header.colour || !frame.is_colour(), "{header:?} says gray");
     assert!(width_px.max(height_px) <= 1024 && width_px * height_px <= 1 << 18);
-    let levels = frame.luminance.pixels().iter();
+    let reduced = decode_reduced(bytes, &LIMITS, 64).expect("what decodes whole decodes smaller");
+    let whole = frame.at_most(64);
+    assert_eq!((reduced.width(), reduced.height()), (whole.width(), whole.height()));
+    let levels = frame.luminance.pixels().iter().chain(reduced.luminance.pixels());
     assert!(levels.clone().all(|level| (0.0..=255.01).contains(level)), "{:?}", levels.clone().find(|level| !(0.0..=255.01).contains(*level)));
 });

@@ -100,8 +100,8 @@ async fn info_tells_the_limits_in_force() {
     let expected = [
         ("max_body_bytes", 2 << 20),
         ("max_side_px", 8192),
-        ("max_pixels", 40_000_000),
-        ("max_decode_bytes", 256 << 20),
+        ("max_pixels", 50_000_000),
+        ("max_decode_bytes", 288 << 20),
         ("max_decode_bytes_total", 1 << 30),
         ("max_batch_parts", 1000),
         ("max_batch_bytes", 512 << 20),

@@ -2,7 +2,10 @@
 //!
 //! All planes have one size and hold gray levels 0..=255. Luminance is 0.299 r + 0.587 g + 0.114 b.
 
-use super::{Image, bilinear_zero_padded};
+use std::borrow::Cow;
+
+use super::reduction::{Reduction, reduced_size};
+use super::{Image, bilinear_zero_padded, resampled};
 
 /// What a camera saw: luminance always, the three colours if the file had them.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,12 +14,15 @@ pub struct Frame {
     pub luminance: Image,
     /// Red, green, blue; `None` for a gray file.
     pub rgb: Option<[Image; 3]>,
+    /// Pixels of the posted picture for each pixel of this frame, along either side: 1 unless it was decoded at, or
+    /// brought to, a smaller size.
+    pub reduction: f32,
 }
 
 impl Frame {
     /// A frame without colour.
     pub fn gray(luminance: Image) -> Frame {
-        Frame { luminance, rgb: None }
+        Frame { luminance, rgb: None, reduction: 1.0 }
     }
 
     /// A colour frame from three planes of one size.
@@ -37,7 +43,7 @@ impl Frame {
             .zip(blue.pixels())
             .map(|((r, g), b)| 0.299 * r + 0.587 * g + 0.114 * b)
             .collect();
-        Frame { luminance: Image::new(width, height, luminance), rgb: Some(rgb) }
+        Frame { luminance: Image::new(width, height, luminance), rgb: Some(rgb), reduction: 1.0 }
     }
 
     /// A colour frame from interleaved bytes r, g, b, row-major.
@@ -49,6 +55,18 @@ impl Frame {
         Frame::colour([0, 1, 2].map(|channel| {
             Image::new(width, height, bytes.iter().skip(channel).step_by(3).map(|&v| f32::from(v)).collect())
         }))
+    }
+
+    /// The frame enlarged by `factor` ≥ 1, bilinear.
+    pub fn enlarged(&self, factor: f64) -> Frame {
+        let [width, height] =
+            [self.width(), self.height()].map(|side| (side as f64 * factor).round() as usize);
+        let enlarged = |image: &Image| resampled(image, width, height);
+        Frame {
+            luminance: enlarged(&self.luminance),
+            rgb: self.rgb.as_ref().map(|planes| planes.each_ref().map(enlarged)),
+            reduction: self.reduction / factor as f32,
+        }
     }
 
     /// Width in pixels.
@@ -97,7 +115,26 @@ impl Frame {
         Frame {
             luminance: turned(&self.luminance, rotation_deg),
             rgb: self.rgb.as_ref().map(|planes| planes.each_ref().map(|plane| turned(plane, rotation_deg))),
+            reduction: self.reduction,
         }
+    }
+
+    /// The frame brought down so that its longer side is `longer_side_px` (1 at least), the other one rounded; the same
+    /// frame if it is not longer.
+    ///
+    /// Each pixel is the mean of the area that it covers: pixel u stands at (u + 0.5) k − 0.5 of this frame, with k the
+    /// old length of the side over the new one. [`Frame::reduction`] grows by the k of the longer side; that of the
+    /// other side differs by what its length is rounded by, half a pixel at the far end at most.
+    pub fn at_most(&self, longer_side_px: usize) -> Cow<'_, Frame> {
+        let (width, height) = (self.width(), self.height());
+        let Some(to) = reduced_size(width, height, longer_side_px) else { return Cow::Borrowed(self) };
+        let reduction = Reduction::new(width as f64, height as f64, to);
+        let frame = match &self.rgb {
+            Some(rgb) => Frame::colour(rgb.each_ref().map(|plane| reduction.image(plane))),
+            None => Frame::gray(reduction.image(&self.luminance)),
+        };
+        let factor = width.max(height) as f32 / to.0.max(to.1) as f32;
+        Cow::Owned(Frame { reduction: self.reduction * factor, ..frame })
     }
 }
 
@@ -144,6 +181,24 @@ mod tests {
         let [red_green, blue_yellow] = frame.opponent_planes();
         assert_eq!(red_green.pixels(), [255.0, -10.0]);
         assert_eq!(blue_yellow.pixels(), [-117.5, 15.0]);
+    }
+
+    #[test]
+    fn a_smaller_frame_tells_by_how_much() {
+        let bytes: Vec<u8> = (0..60 * 40 * 3).map(|i| (i * 31 % 256) as u8).collect();
+        let frame = Frame::from_rgb8(60, 40, &bytes);
+        assert!(matches!(frame.at_most(60), Cow::Borrowed(_)));
+        let half = frame.at_most(30).into_owned();
+        assert_eq!((half.width(), half.height(), half.reduction), (30, 20, 2.0));
+        assert_eq!(half.at_most(10).reduction, 6.0);
+        assert_eq!(half.turned(30.0).reduction, 2.0);
+        // luminance is linear in the colours
+        let gray = Frame::gray(frame.luminance.clone()).at_most(30).into_owned();
+        assert!(!gray.is_colour());
+        for (a, b) in gray.luminance.pixels().iter().zip(half.luminance.pixels()) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+        assert_eq!(Frame::gray(Image::from_fn(100, 300, |_, _| 1.0)).at_most(120).reduction, 2.5);
     }
 
     #[test]

@@ -15,14 +15,14 @@ pub mod image;
 pub mod npy;
 pub mod overlay;
 pub mod ply;
-pub mod random;
+mod reduction;
 pub mod resize;
 pub mod sampling;
 
-pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, read_header};
+pub use crate::random::{Random, seed_of_name};
+pub use decode::{DecodeError, DecodeLimits, Format, Header, decode, decode_reduced, read_header};
 pub use frame::Frame;
 pub use image::Image;
 pub use overlay::Overlay;
-pub use random::{Random, seed_of_name};
 pub use resize::fitted;
-pub use sampling::{bilinear_inside, bilinear_replicated, bilinear_zero_padded};
+pub use sampling::{bilinear_inside, bilinear_replicated, bilinear_zero_padded, resampled};

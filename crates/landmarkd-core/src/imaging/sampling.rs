@@ -48,6 +48,30 @@ pub fn bilinear_inside(image: &Image, x_px: f64, y_px: f64) -> f32 {
     upper * (1.0 - down) + lower * down
 }
 
+/// The image at `width` × `height` samples that divide it evenly, bilinear; the border is continued.
+pub fn resampled(image: &Image, width: usize, height: usize) -> Image {
+    let taps = |from: usize, to: usize| -> Vec<(usize, usize, f32)> {
+        let ratio = from as f64 / to as f64;
+        let tap = |u: usize| {
+            let at = ((u as f64 + 0.5) * ratio - 0.5).clamp(0.0, from as f64 - 1.0);
+            let low = at.floor() as usize;
+            (low, (low + 1).min(from - 1), (at - low as f64) as f32)
+        };
+        (0..to).map(tap).collect()
+    };
+    let (columns, rows) = (taps(image.width(), width), taps(image.height(), height));
+    let mut pixels = Vec::with_capacity(width * height);
+    for (above, below, down) in rows {
+        let (above, below) = (image.row(above), image.row(below));
+        pixels.extend(columns.iter().map(|&(left, right, along)| {
+            let upper = above[left] + along * (above[right] - above[left]);
+            let lower = below[left] + along * (below[right] - below[left]);
+            upper + down * (lower - upper)
+        }));
+    }
+    Image::new(width, height, pixels)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
