@@ -270,12 +270,12 @@ pub(super) fn distance(a: &[f32], b: &[f32]) -> f64 {
 }
 
 #[inline(always)]
-fn distance_square(a: &[f32], b: &[f32]) -> f64 {
+pub(super) fn distance_square(a: &[f32], b: &[f32]) -> f64 {
     sum_in_lanes(a, b, |a, b| (a - b) * (a - b))
 }
 
 #[inline(always)]
-fn dot(a: &[f32], b: &[f32]) -> f64 {
+pub(super) fn dot(a: &[f32], b: &[f32]) -> f64 {
     sum_in_lanes(a, b, |a, b| a * b)
 }
 

@@ -27,6 +27,69 @@ pub fn gradient(image: &Image) -> Gradient {
     Gradient { x: Image::new(width, height, x), y: Image::new(width, height, y) }
 }
 
+/// The gradient as pairs (∂/∂x, ∂/∂y), its border continued: what samples sub-windows finds both in one place, and
+/// beyond the border what is on it.
+#[derive(Clone, Debug)]
+pub struct PaddedGradient {
+    width: usize,
+    height: usize,
+    border_px: usize,
+    /// (height + 2 · border) rows of width + 2 · border pairs.
+    pairs: Vec<[f32; 2]>,
+}
+
+impl PaddedGradient {
+    /// The gradient of an image, and `border_px` more pixels to each side.
+    pub fn new(image: &Image, border_px: usize) -> PaddedGradient {
+        let (width, height) = (image.width(), image.height());
+        let stride = width + 2 * border_px;
+        if width == 0 || height == 0 {
+            return PaddedGradient { width, height, border_px, pairs: Vec::new() };
+        }
+        let mut pairs = Vec::with_capacity(stride * (height + 2 * border_px));
+        let mut rows = GradientRows::new(width);
+        let (mut x, mut y) = (vec![0.0; width], vec![0.0; width]);
+        for row in 0..height {
+            rows.write(image, row, &mut x, &mut y);
+            let (first, last) = ([x[0], y[0]], [x[width - 1], y[width - 1]]);
+            pairs.extend(std::iter::repeat_n(first, border_px));
+            pairs.extend(x.iter().zip(&y).map(|(x, y)| [*x, *y]));
+            pairs.extend(std::iter::repeat_n(last, border_px));
+            if row == 0 {
+                (0..border_px).for_each(|_| pairs.extend_from_within(..stride));
+            }
+        }
+        let last = pairs.len() - stride;
+        (0..border_px).for_each(|_| pairs.extend_from_within(last..last + stride));
+        PaddedGradient { width, height, border_px, pairs }
+    }
+
+    /// Width of the image, px.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height of the image, px.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Pixels beyond each border.
+    pub fn border_px(&self) -> usize {
+        self.border_px
+    }
+
+    /// Pairs from one row to the next.
+    pub(super) fn stride(&self) -> usize {
+        self.width + 2 * self.border_px
+    }
+
+    /// All pairs: that of pixel (x, y) is at (y + border) · stride + x + border.
+    pub(super) fn pairs(&self) -> &[[f32; 2]] {
+        &self.pairs
+    }
+}
+
 /// The gradient row by row.
 pub(super) struct GradientRows {
     /// Sum and difference down each column, with one mirrored column on either side.

@@ -7,10 +7,12 @@
 //! addition and no sum is reordered, so both give the same bits.
 
 pub mod gradient;
+pub mod gradient_signature;
 pub mod harris;
 pub mod interest_points;
 pub mod opponent;
 mod option_fault;
+pub mod scale_space;
 pub mod segmentation;
 pub mod signature;
 pub mod smoothing;
@@ -18,7 +20,7 @@ pub mod subwindow;
 pub mod symmetry;
 pub mod theta_spectrum;
 
-pub use gradient::{Gradient, gradient};
+pub use gradient::{Gradient, PaddedGradient, gradient};
 pub use harris::harris;
 pub use interest_points::{InterestPoint, bucketed, interest_points};
 pub use opponent::OpponentPlan;
