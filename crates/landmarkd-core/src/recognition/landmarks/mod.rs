@@ -12,8 +12,11 @@ mod dead_leaves;
 pub mod description;
 pub mod edge_template;
 pub mod held_out;
+pub mod homography;
+pub mod leave_one_out;
 mod matching;
 pub mod model;
+mod multiscale;
 mod naive_bayes;
 pub mod options;
 pub mod parts;
@@ -22,6 +25,7 @@ mod pictures;
 pub mod placement;
 mod position_prior;
 mod query;
+pub mod reason;
 mod recognise;
 pub mod recognition;
 mod search;
@@ -37,12 +41,19 @@ pub use belief::{Belief, LabelBelief, Motion};
 pub use confidence::{CalibrationSample, Confidence, Evidence, Reliability, ReliabilityBin};
 pub use description::{DescribedExemplar, ExemplarName, Window, describe};
 pub use edge_template::EdgePoint;
-pub use held_out::{CalibrationPlan, calibration_samples, correct_decisions};
+pub use held_out::{CalibrationPlan, calibration_samples, correct_decisions, names_rightly};
+pub use homography::Homography;
+pub use leave_one_out::{LeftOut, exemplars_to_leave_out, left_out};
 pub use model::{Exemplar, Landmarks};
-pub use options::{Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Taper, Viewpoint};
+pub use options::{
+    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Signature, Taper, Viewpoint,
+};
 pub use parts::{LandmarkParts, PartsError};
 pub use placement::Placement;
-pub use recognition::{Decision, Instance, LabelVote, PointVote, Recognition, Stage, VerifiedPlacement};
+pub use reason::Reason;
+pub use recognition::{
+    AContrario, Also, Decision, Instance, LabelVote, PointVote, Recognition, Stage, VerifiedPlacement,
+};
 pub use synthetic_view::{SyntheticView, synthetic_views};
 pub use training::{TrainingError, TrainingReport};
 pub use warning::Warning;

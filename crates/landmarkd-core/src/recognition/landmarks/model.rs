@@ -4,10 +4,12 @@ use super::confidence::{CalibrationSample, Confidence, Reliability};
 use super::description::{Describer, ExemplarName, Window};
 use super::edge_template::EdgePoint;
 use super::held_out::CalibrationPlan;
+use super::multiscale::description::ScaleSpaceDescriber;
 use super::options::LandmarkOptions;
 use super::recognise::recognise;
 use super::recognition::{Recognition, Stage};
-use crate::eigen::{EigenpointIndex, Eigenspace};
+use super::search::WindowIndex;
+use crate::eigen::Eigenspace;
 use crate::imaging::Frame;
 
 /// One training image.
@@ -52,10 +54,12 @@ pub struct Landmarks {
     /// The colour is resolved, never `Auto`.
     pub(super) options: LandmarkOptions,
     pub(super) describer: Describer,
+    /// With gradient signatures.
+    pub(super) scale_space: Option<ScaleSpaceDescriber>,
     /// Sorted by label, then id.
     pub(super) exemplars: Vec<Exemplar>,
     pub(super) eigenspace: Eigenspace,
-    pub(super) index: EigenpointIndex,
+    pub(super) index: WindowIndex,
     /// In the order of the eigenpoints; exemplars ascend.
     pub(super) windows: Vec<TrainedWindow>,
     /// A row an eigenpoint if the method verifies placements, else empty.
@@ -97,6 +101,13 @@ impl Landmarks {
     /// Coordinates of an eigenpoint: as many as the options ask for, or as the signatures span.
     pub fn dimension(&self) -> usize {
         self.eigenspace.dimension()
+    }
+
+    /// Width and height of an exemplar's picture at the working size.
+    pub(super) fn working_size_px(&self, exemplar: usize) -> [f32; 2] {
+        let Exemplar { width_px, height_px, .. } = self.exemplars[exemplar];
+        let reduction = self.options.reduction_of(width_px, height_px);
+        [width_px, height_px].map(|side| (side as f32 / reduction).round())
     }
 
     /// Recognises a frame. Calls `finished` after each stage, some of them several times: the caller holds the clock.

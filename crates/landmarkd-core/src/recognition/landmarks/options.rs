@@ -1,13 +1,24 @@
 //! The options of a landmark database, with the defaults of each method and viewpoint, and the section of the paper that
 //! each option comes from.
 
+use std::borrow::Cow;
 use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
 
+use crate::imaging::Frame;
 use crate::recognition::OptionFault;
-use crate::vision::OpponentPlan;
 use crate::vision::theta_spectrum::FREQUENCIES;
 pub use crate::vision::{Normalise, Taper};
+use crate::vision::{OpponentPlan, gradient_signature};
+
+/// Longer side to which larger pictures are brought by default.
+const WORKING_SIZE_PX: usize = 640;
+/// Pictures with a shorter longer side are enlarged up to it, by so much at most: of 128 px objects on frames of 256 px, half
+/// hidden, 0.97 are named so and 0.85 as they are.
+const SMALL_PX: f64 = 512.0;
+const MOST_ENLARGED: f64 = 2.0;
+/// How far a camera on wheels turns about its axis at most, by default.
+const UPRIGHT_TURN_DEG: f64 = 30.0;
 
 /// How matches become an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +37,16 @@ pub enum Viewpoint {
     /// The camera is upright, as on wheels: signatures keep the direction, and labels are judged by how much
     /// nearer than the background they are.
     Upright,
+}
+
+/// What signatures are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signature {
+    /// The directions of the gradient relative to the radius, in windows of a scale space: what is seen larger, smaller,
+    /// obliquely or in another light is known again. The number of false alarms decides.
+    Gradient,
+    /// The intensities of windows of one to four radii in the picture as it is (A§4.4).
+    Intensity,
 }
 
 /// The interest operator.
@@ -103,6 +124,16 @@ pub struct LandmarkOptions {
     pub position_prior_px: Option<f64>,
     /// How W of a label's exemplars combine to W of the label: A§4.5 counts per training image.
     pub per_label: PerLabel,
+    /// What signatures are made of.
+    pub signature: Signature,
+    /// Longer side to which larger pictures are brought, 160..=4096 px; `None`: pictures are taken as they are.
+    pub working_size_px: Option<usize>,
+    /// Levels of the scale space for each halving of the picture, 1..=4. Gradient signatures only.
+    pub levels_per_octave: usize,
+    /// Matches turned by more are left out, 1..=180°; `None`: any turn. Gradient signatures only.
+    pub turn_prior_deg: Option<f64>,
+    /// Frames of something unknown that may be answered, as a part of all, 1e-9..=1. Gradient signatures only.
+    pub false_alarms: f64,
 }
 
 impl Default for LandmarkOptions {
@@ -112,8 +143,18 @@ impl Default for LandmarkOptions {
 }
 
 impl LandmarkOptions {
-    /// The defaults of a method and a viewpoint. Those of [`Method::Paper`] are the paper's own.
+    /// The defaults of a method and a viewpoint: gradient signatures with placement. Those of [`Method::Paper`] are the
+    /// paper's own.
     pub fn of(method: Method, viewpoint: Viewpoint) -> LandmarkOptions {
+        let signature = match method {
+            Method::Paper => Signature::Intensity,
+            Method::Placement => Signature::Gradient,
+        };
+        LandmarkOptions::with_signature(method, viewpoint, signature)
+    }
+
+    /// The defaults of a method, a viewpoint and a signature.
+    pub fn with_signature(method: Method, viewpoint: Viewpoint, signature: Signature) -> LandmarkOptions {
         let paper = LandmarkOptions {
             method,
             viewpoint,
@@ -132,10 +173,27 @@ impl LandmarkOptions {
             epsilon: 1e-3,
             position_prior_px: None,
             per_label: PerLabel::Best,
+            signature,
+            working_size_px: None,
+            levels_per_octave: 2,
+            turn_prior_deg: None,
+            false_alarms: 0.01,
         };
-        match (method, viewpoint) {
-            (Method::Paper, _) => paper,
-            (Method::Placement, Viewpoint::Free) => LandmarkOptions {
+        match (signature, method, viewpoint) {
+            (Signature::Gradient, _, _) => LandmarkOptions {
+                interest_points: 600,
+                query_points: 1000,
+                subwindow_radii_px: vec![14.0],
+                rings: gradient_signature::RINGS,
+                sectors: gradient_signature::SECTORS,
+                dimension: 48,
+                neighbours: 30,
+                working_size_px: Some(WORKING_SIZE_PX),
+                turn_prior_deg: (viewpoint == Viewpoint::Upright).then_some(UPRIGHT_TURN_DEG),
+                ..paper
+            },
+            (Signature::Intensity, Method::Paper, _) => paper,
+            (Signature::Intensity, Method::Placement, Viewpoint::Free) => LandmarkOptions {
                 interest_points: 96,
                 query_points: 1000,
                 subwindow_radii_px: vec![10.0, 14.0],
@@ -143,7 +201,7 @@ impl LandmarkOptions {
                 neighbours: 6,
                 ..paper
             },
-            (Method::Placement, Viewpoint::Upright) => LandmarkOptions {
+            (Signature::Intensity, Method::Placement, Viewpoint::Upright) => LandmarkOptions {
                 interest_points: 150,
                 query_points: 250,
                 subwindow_radii_px: vec![12.0, 16.0, 21.0],
@@ -179,6 +237,8 @@ impl LandmarkOptions {
             out_of_range("sectors", self.sectors, 4..=128),
             out_of_range("dimension", self.dimension, 1..=256),
             neighbours.and_then(|neighbours| out_of_range("neighbours", neighbours, 1..=64)),
+            self.working_size_px.and_then(|side_px| out_of_range("working_size_px", side_px, 160..=4096)),
+            out_of_range("levels_per_octave", self.levels_per_octave, 1..=4),
         ];
         let radii_px = self.subwindow_radii_px.iter();
         let radii = radii_px.map(|&radius_px| out_of_range("subwindow_radius_px", radius_px, 2.0..=64.0));
@@ -186,6 +246,8 @@ impl LandmarkOptions {
             out_of_range("epsilon", self.epsilon, 1e-9..=10.0),
             self.position_prior_px
                 .and_then(|prior_px| out_of_range("position_prior_px", prior_px, 1.0..=1000.0)),
+            self.turn_prior_deg.and_then(|turn_deg| out_of_range("turn_prior_deg", turn_deg, 1.0..=180.0)),
+            out_of_range("false_alarms", self.false_alarms, 1e-9..=1.0),
         ];
         whole.into_iter().chain(radii).chain(real).flatten().collect()
     }
@@ -193,6 +255,9 @@ impl LandmarkOptions {
     /// The options that contradict each other.
     fn conflicts(&self) -> Vec<OptionFault> {
         let paper = self.method == Method::Paper;
+        let gradient = self.signature == Signature::Gradient;
+        let shape = (gradient_signature::RINGS, gradient_signature::SECTORS);
+        let of_gradient = "belongs to gradient signatures";
         let radii = &self.subwindow_radii_px;
         let descending = radii.windows(2).any(|pair| pair[0] >= pair[1]);
         let neighbours =
@@ -229,13 +294,35 @@ impl LandmarkOptions {
                 "position_prior_px",
                 "a window keeps its position only where the viewpoint is upright",
             ),
+            (paper && gradient, "signature", "gradient goes with the method placement"),
+            (
+                gradient && radii.len() > 1,
+                "subwindow_radius_px",
+                "gradient signatures have windows of one radius, which grow with the levels of the scale space",
+            ),
+            (
+                gradient && (self.rings, self.sectors) != shape,
+                "rings",
+                "gradient signatures have 6 rings of 32 sectors",
+            ),
+            (
+                gradient && self.normalise != Normalise::Contrast,
+                "normalise",
+                "gradient signatures are of unit length: contrast",
+            ),
+            (
+                gradient && self.position_prior_px.is_some(),
+                "position_prior_px",
+                "goes with intensity signatures",
+            ),
+            (!gradient && self.turn_prior_deg.is_some(), "turn_prior_deg", of_gradient),
         ];
         let broken = rules.into_iter().filter(|(broken, ..)| *broken);
         broken.map(|(_, option, message)| OptionFault { option, message: message.into() }).collect()
     }
 
-    /// Components of a signature: rings × (sectors/2 + 1) with the paper's method, rings × 12 with placement,
-    /// rings × sectors upright; and with opponent planes 2 × rings × 4 more, or × 3 for fewer than six sectors.
+    /// Components of a signature: 324 of gradients; of intensities rings × (sectors/2 + 1) with the paper's method,
+    /// rings × 12 with placement, rings × sectors upright; and with opponent planes 2 × rings × 4 more, or × 3 for fewer than six sectors.
     /// [`Colour::Auto`] counts as gray: so many there are at least.
     pub fn signature_length(&self) -> usize {
         self.gray_length() + if self.colour == Colour::Opponent { self.colour_length() } else { 0 }
@@ -243,6 +330,9 @@ impl LandmarkOptions {
 
     /// The luminance part of a signature, which comes first.
     pub(super) fn gray_length(&self) -> usize {
+        if self.signature == Signature::Gradient {
+            return gradient_signature::SIGNATURE_LENGTH;
+        }
         match (self.method, self.viewpoint) {
             (Method::Paper, _) => self.rings * (self.sectors / 2 + 1),
             (Method::Placement, Viewpoint::Free) => self.rings * FREQUENCIES,
@@ -266,8 +356,51 @@ impl LandmarkOptions {
     }
 
     /// Whether recognition verifies where exemplars lie. Otherwise windows only vote.
-    pub(super) fn verifies_placements(&self) -> bool {
-        (self.method, self.viewpoint) == (Method::Placement, Viewpoint::Free)
+    pub fn verifies_placements(&self) -> bool {
+        self.signature == Signature::Gradient
+            || (self.method, self.viewpoint) == (Method::Placement, Viewpoint::Free)
+    }
+
+    /// Numbers of the spectrum that is kept of each window: 0 if none is.
+    pub(super) fn spectrum_length(&self) -> usize {
+        match self.signature {
+            Signature::Gradient => gradient_signature::SPECTRUM_LENGTH,
+            Signature::Intensity if self.verifies_placements() => self.rings * 2 * FREQUENCIES,
+            Signature::Intensity => 0,
+        }
+    }
+
+    /// The frame brought to the working size; with gradient signatures small ones are enlarged.
+    pub fn working_frame<'f>(&self, frame: &'f Frame) -> Cow<'f, Frame> {
+        let enlarged = self.enlargement(frame.width().max(frame.height()) as f64);
+        match self.working_size_px {
+            _ if enlarged > 1.0 => Cow::Owned(frame.enlarged(enlarged)),
+            Some(side_px) => frame.at_most(side_px),
+            None => Cow::Borrowed(frame),
+        }
+    }
+
+    /// How much a picture with this longer side is enlarged.
+    fn enlargement(&self, longer_px: f64) -> f64 {
+        let wanted_px = self.working_size_px.map_or(SMALL_PX, |side_px| SMALL_PX.min(side_px as f64));
+        match self.signature {
+            Signature::Gradient => (wanted_px / longer_px.max(1.0)).clamp(1.0, MOST_ENLARGED),
+            Signature::Intensity => 1.0,
+        }
+    }
+
+    /// Pixels of a picture of this size for each pixel of it at the working size.
+    pub(super) fn reduction_of(&self, width_px: u32, height_px: u32) -> f32 {
+        let longer_px = width_px.max(height_px);
+        match self.working_size_px {
+            Some(side_px) if longer_px as usize > side_px => longer_px as f32 / side_px as f32,
+            _ => self.enlargement(f64::from(longer_px)).recip() as f32,
+        }
+    }
+
+    /// −log₁₀ of the number of false alarms from which on a placement decides.
+    pub fn least_evidence(&self) -> f64 {
+        -self.false_alarms.log10()
     }
 }
 
@@ -281,7 +414,7 @@ fn out_of_range<T: PartialOrd + Display + Debug>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::paper;
+    use super::super::pictures::{intensity, paper};
     use super::*;
 
     #[test]
@@ -297,9 +430,26 @@ mod tests {
 
     #[test]
     fn options_that_do_not_go_together_are_faults() {
-        let free = LandmarkOptions::default();
-        let upright = LandmarkOptions::of(Method::Placement, Viewpoint::Upright);
+        let gradient = LandmarkOptions::default();
+        let [free, upright] = [Viewpoint::Free, Viewpoint::Upright].map(intensity);
         let wrong = [
+            (
+                LandmarkOptions {
+                    signature: Signature::Gradient,
+                    method: Method::Paper,
+                    neighbours: 1,
+                    ..gradient.clone()
+                },
+                "signature",
+            ),
+            (
+                LandmarkOptions { subwindow_radii_px: vec![8.0, 12.0], ..gradient.clone() },
+                "subwindow_radius_px",
+            ),
+            (LandmarkOptions { rings: 8, ..gradient.clone() }, "rings"),
+            (LandmarkOptions { false_alarms: 0.0, ..gradient.clone() }, "false_alarms"),
+            (LandmarkOptions { working_size_px: Some(100), ..gradient }, "working_size_px"),
+            (LandmarkOptions { turn_prior_deg: Some(30.0), ..free.clone() }, "turn_prior_deg"),
             (LandmarkOptions { viewpoint: Viewpoint::Upright, ..paper() }, "viewpoint"),
             (LandmarkOptions { subwindow_radii_px: vec![5.0, 8.0], ..paper() }, "subwindow_radius_px"),
             (LandmarkOptions { subwindow_radii_px: vec![], ..free.clone() }, "subwindow_radius_px"),

@@ -8,12 +8,13 @@ use super::confidence::Confidence;
 use super::description::{Describer, Window};
 use super::edge_template::EdgePoint;
 use super::model::{Exemplar, Landmarks, TrainedWindow};
-use super::options::{Colour, LandmarkOptions};
+use super::multiscale::description::{MOST_LEVELS, ScaleSpaceDescriber};
+use super::options::{Colour, LandmarkOptions, Signature};
 use super::position_prior::{row_length, with_positions, without_positions};
-use crate::eigen::{EigenError, EigenpointIndex, Eigenspace};
+use super::search::WindowIndex;
+use crate::eigen::{EigenError, Eigenspace};
 use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
-use crate::vision::theta_spectrum::FREQUENCIES;
 
 /// Bound of every number of a trained database: signatures have lengths about 1, and pictures fewer pixels a side.
 /// Squares and sums of such numbers stay finite.
@@ -40,9 +41,9 @@ pub struct LandmarkParts {
     pub eigenpoints: Vec<f32>,
     /// n × 3: x, y, salience of the interest point of each eigenpoint.
     pub points: Vec<f32>,
-    /// n: index into the options' radii of the window of each eigenpoint.
+    /// n: index into the options' radii of the window of each eigenpoint; with gradient signatures its level.
     pub radius: Vec<u8>,
-    /// n × rings × 24 if the options ask for spectra, else empty.
+    /// n × rings × 24, with gradient signatures n × rings × 108, if the options ask for spectra, else empty.
     pub spectra: Vec<i8>,
     /// `None` before calibration.
     pub confidence: Option<Confidence>,
@@ -143,13 +144,17 @@ impl LandmarkParts {
         let positions = windows.iter().map(|trained| trained.window);
         let eigenpoints = with_positions(self.eigenpoints, dimension, positions, prior);
         let describer = Describer::new(&options);
+        let signature = options.signature;
+        let scale_space =
+            (options.signature == Signature::Gradient).then(|| ScaleSpaceDescriber::new(&options));
         Landmarks {
             spectrum_lengths: spectrum_lengths(&self.spectra, &describer),
             describer,
+            scale_space,
             options,
             exemplars,
             eigenspace,
-            index: EigenpointIndex::new(eigenpoints, row_length(dimension, prior)),
+            index: WindowIndex::new(eigenpoints, row_length(dimension, prior), signature),
             windows,
             spectra: self.spectra,
             confidence: self.confidence,
@@ -175,8 +180,7 @@ impl LandmarkParts {
             }
         }
         let signature = self.options.signature_length();
-        let spectrum =
-            if self.options.verifies_placements() { self.options.rings * 2 * FREQUENCIES } else { 0 };
+        let spectrum = self.options.spectrum_length();
         let lengths = [
             ("eigenvalues", dimension.min(self.options.dimension), dimension),
             ("mean", signature, self.mean.len()),
@@ -193,7 +197,10 @@ impl LandmarkParts {
     }
 
     fn check_numbers(&self) -> Result<(), PartsError> {
-        let radii = self.options.subwindow_radii_px.len();
+        let radii = match self.options.signature {
+            Signature::Gradient => MOST_LEVELS,
+            Signature::Intensity => self.options.subwindow_radii_px.len(),
+        };
         let small = |values: &[f32]| values.iter().all(|v| v.abs() <= LARGEST);
         let variance = |v: &f64| (0.0..=f64::from(LARGEST)).contains(v);
         let edge = |p: &EdgePoint| small(&[p.x_px, p.y_px, p.gradient_x, p.gradient_y]);
@@ -265,7 +272,8 @@ fn spectrum_lengths(spectra: &[i8], describer: &Describer) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pictures::{described, paper, toy};
+    use super::super::options::Viewpoint;
+    use super::super::pictures::{described, intensity, paper, toy};
     use super::*;
     use crate::imaging::Frame;
 
@@ -287,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_rebuilt_placement_database_answers_the_same_and_its_damage_is_refused() {
-        let options = LandmarkOptions::default();
+        let options = intensity(Viewpoint::Free);
         let (mut trained, _) = Landmarks::train(described(0..4, &options), &options).unwrap();
         trained.confidence = Some(Confidence { weights: [2.0, 5.0, 0.0, 1.0], bias: -8.0, threshold: 0.6 });
         let parts = LandmarkParts::from(&trained);

@@ -1,7 +1,7 @@
 //! Drawn pictures for the tests: each seed gives another arrangement of discs and bars.
 
-use super::{DescribedExemplar, ExemplarName, LandmarkOptions, Method, Viewpoint, describe};
-use crate::imaging::{Frame, Image};
+use super::{DescribedExemplar, ExemplarName, LandmarkOptions, Method, Signature, Viewpoint, describe};
+use crate::imaging::{Frame, Image, Random, bilinear_replicated};
 
 /// A square toy of `side_px`, dark at its border, with some thirty bright shapes within a disc.
 pub fn toy(seed: u64, side_px: usize) -> Image {
@@ -29,6 +29,44 @@ pub fn toy(seed: u64, side_px: usize) -> Image {
     })
 }
 
+/// A wall full of bars and discs of some 6 to 60 px, one over the other.
+pub fn wall(seed: u64, width: usize, height: usize) -> Image {
+    let random = &mut Random::new(seed, 0);
+    let mut image = Image::from_fn(width, height, |_, _| 90.0);
+    for _ in 0..width * height / 400 {
+        let (x, y) = (random.uniform() * width as f64, random.uniform() * height as f64);
+        let (sin, cos) = (random.uniform() * std::f64::consts::PI).sin_cos();
+        let (a, b) = (3.0 * 10.0_f64.powf(random.uniform()), 3.0 * 6.0_f64.powf(random.uniform()));
+        let (gray, round) = (20.0 + 220.0 * random.uniform(), random.uniform() < 0.4);
+        let reach = a.hypot(b);
+        let (left, top) = ((x - reach).max(0.0) as usize, (y - reach).max(0.0) as usize);
+        for py in top..((y + reach) as usize).min(height) {
+            for px in left..((x + reach) as usize).min(width) {
+                let (dx, dy) = (px as f64 - x, py as f64 - y);
+                let (u, v) = ((dx * cos + dy * sin) / a, (dy * cos - dx * sin) / b);
+                if if round { u * u + v * v < 1.0 } else { u.abs().max(v.abs()) < 1.0 } {
+                    image.pixels_mut()[py * width + px] = gray as f32;
+                }
+            }
+        }
+    }
+    image
+}
+
+/// A picture laid on a frame: `to_picture` says which of its points is seen at a pixel of the frame.
+pub fn laid(frame: &mut Image, picture: &Image, to_picture: impl Fn(f64, f64) -> [f64; 2]) {
+    let (width, height) = (frame.width(), frame.height());
+    let (right, bottom) = (picture.width() as f64 - 1.0, picture.height() as f64 - 1.0);
+    for py in 0..height {
+        for px in 0..width {
+            let [x, y] = to_picture(px as f64, py as f64);
+            if (0.0..=right).contains(&x) && (0.0..=bottom).contains(&y) {
+                frame.pixels_mut()[py * width + px] = bilinear_replicated(picture, x, y) as f32;
+            }
+        }
+    }
+}
+
 /// The image turned by a quarter, x towards y, without resampling.
 pub fn quarter_turned(image: &Image) -> Image {
     let (width, height) = (image.width(), image.height());
@@ -38,6 +76,11 @@ pub fn quarter_turned(image: &Image) -> Image {
 /// The paper's own options.
 pub fn paper() -> LandmarkOptions {
     LandmarkOptions::of(Method::Paper, Viewpoint::Free)
+}
+
+/// The options of intensity signatures with placement.
+pub fn intensity(viewpoint: Viewpoint) -> LandmarkOptions {
+    LandmarkOptions::with_signature(Method::Placement, viewpoint, Signature::Intensity)
 }
 
 pub fn name(id: &str, label: &str) -> ExemplarName {

@@ -3,6 +3,7 @@
 use super::consensus::hypotheses;
 use super::edge_template::GradientDirections;
 use super::model::Landmarks;
+use super::multiscale;
 use super::options::Colour;
 use super::query::{Query, StoppingState};
 use super::recognition::{Decision, Instance, Recognition, Stage};
@@ -22,6 +23,9 @@ pub(super) fn recognise(
     frame: &Frame,
     mut finished: impl FnMut(Stage),
 ) -> Recognition {
+    if let Some(describer) = &model.scale_space {
+        return multiscale::recognise(model, describer, None, frame, finished);
+    }
     let attention = model.describer.attend(frame); // A§4.2
     let mut query = Query::new(model, subset, frame, &attention);
     let verifies = model.options.verifies_placements();
@@ -42,6 +46,9 @@ pub(super) fn recognise(
         points: result.points,
         exemplar_weights: result.exemplar_weights,
         evidence: result.evidence,
+        a_contrario: None,
+        also: Vec::new(),
+        reasons: Vec::new(),
         warnings,
     }
 }
@@ -127,9 +134,9 @@ fn warnings(query: &Query<'_>, frame: &Frame, result: &VoteResult, decided: bool
 mod tests {
     use super::super::Exemplar;
     use super::super::confidence::Evidence;
-    use super::super::pictures::{described, name, paper, toy};
+    use super::super::pictures::{described, intensity, name, paper, toy};
     use super::super::{
-        CalibrationPlan, CalibrationSample, LandmarkOptions, LandmarkParts, Method, PerLabel, Taper,
+        CalibrationPlan, CalibrationSample, LandmarkOptions, LandmarkParts, PerLabel, Taper,
         VerifiedPlacement, Viewpoint, calibration_samples, describe, synthetic_views,
     };
     use super::*;
@@ -317,7 +324,7 @@ mod tests {
 
     #[test]
     fn many_views_of_one_thing_do_not_crowd_out_another() {
-        let options = LandmarkOptions::default();
+        let options = intensity(Viewpoint::Free);
         let mut exemplars: Vec<_> = (0..24)
             .map(|view| {
                 let picture = Frame::gray(toy(1, 96)).turned(f64::from(view) * 2.0);
@@ -335,7 +342,7 @@ mod tests {
 
     #[test]
     fn a_database_of_one_label_knows_what_it_does_not_know() {
-        let options = LandmarkOptions::default();
+        let options = intensity(Viewpoint::Free);
         let (mut model, _) = Landmarks::train(described(3..4, &options), &options).unwrap();
         let samples = samples(&model);
         assert!(samples.iter().any(|sample| !sample.known && sample.evidence != Evidence::None));
@@ -347,7 +354,7 @@ mod tests {
 
     #[test]
     fn the_votes_say_where_the_exemplar_lies() {
-        let model = trained(&LandmarkOptions::default());
+        let model = trained(&intensity(Viewpoint::Free));
         for (seed, x_px, y_px, degrees, scale) in [
             (3, 120.0, 110.0, 0.0, 1.0),
             (5, 200.0, 120.0, 133.0, 1.0),
@@ -357,7 +364,7 @@ mod tests {
             let recognition = model.recognise(&table(&[(seed, x_px, y_px, degrees)], scale), |_| ());
             let best = &recognition.votes[0];
             assert_eq!(best.label, format!("toy{seed}"));
-            let VerifiedPlacement { placement, exemplar, inliers, agreement } = best.placement.unwrap();
+            let VerifiedPlacement { placement, exemplar, inliers, agreement, .. } = best.placement.unwrap();
             assert_eq!(model.exemplars()[exemplar].label, best.label);
             assert!((placement.x_px - x_px).hypot(placement.y_px - y_px) < 1.5, "{placement:?}");
             let turned = angular_distance_rad(placement.rotation_rad, degrees.to_radians()).to_degrees();
@@ -369,7 +376,7 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_not_named() {
-        let model = calibrated(&LandmarkOptions::default());
+        let model = calibrated(&intensity(Viewpoint::Free));
         let strange = [100, 101, 102, 103, 104].map(|seed| table(&[(seed, 150.0, 110.0, 30.0)], 1.0));
         let named = strange.iter().filter(|frame| model.recognise(frame, |_| ()).decision.is_some()).count();
         assert_eq!(named, 0);
@@ -386,7 +393,7 @@ mod tests {
 
     #[test]
     fn every_known_thing_in_a_frame_is_found() {
-        let model = calibrated(&LandmarkOptions::default());
+        let model = calibrated(&intensity(Viewpoint::Free));
         let frame = table(&[(2, 60.0, 70.0, 15.0), (7, 180.0, 150.0, 200.0), (2, 300.0, 90.0, 100.0)], 1.0);
         let recognition = model.recognise(&frame, |_| ());
         let mut found: Vec<(&str, f32)> = recognition
@@ -405,7 +412,7 @@ mod tests {
 
     #[test]
     fn the_weights_of_a_labels_points_are_its_w() {
-        let model = trained(&LandmarkOptions::default());
+        let model = trained(&intensity(Viewpoint::Free));
         let recognition = model.recognise(&table(&[(4, 150.0, 110.0, 30.0)], 1.0), |_| ());
         for vote in &recognition.votes {
             let exemplar = vote.placement.unwrap().exemplar;
@@ -422,20 +429,17 @@ mod tests {
 
     #[test]
     fn no_more_points_are_asked_than_it_takes() {
-        let model = trained(&LandmarkOptions::default());
+        let model = trained(&intensity(Viewpoint::Free));
         let clear = model.recognise(&Frame::gray(toy(4, 96)), |_| ());
         assert!(clear.points_used <= 256, "{}", clear.points_used);
-        let few = LandmarkOptions { query_points: 40, ..LandmarkOptions::default() };
+        let few = LandmarkOptions { query_points: 40, ..intensity(Viewpoint::Free) };
         assert_eq!(trained(&few).recognise(&table(&[(4, 150.0, 110.0, 30.0)], 1.0), |_| ()).points_used, 40);
     }
 
     #[test]
     fn an_upright_place_is_known_by_what_stands_where() {
         for position_prior_px in [None, Some(30.0)] {
-            let upright = LandmarkOptions {
-                position_prior_px,
-                ..LandmarkOptions::of(Method::Placement, Viewpoint::Upright)
-            };
+            let upright = LandmarkOptions { position_prior_px, ..intensity(Viewpoint::Upright) };
             let room = |seed: u64| table(&[(seed, 80.0, 120.0, 0.0), (seed + 20, 240.0, 110.0, 0.0)], 1.2);
             let described = (0..5)
                 .map(|seed| describe(name(&seed.to_string(), &seed.to_string()), &room(seed), &upright));
@@ -455,7 +459,7 @@ mod tests {
 
     #[test]
     fn without_its_label_an_exemplar_is_not_named() {
-        let model = trained(&LandmarkOptions::default());
+        let model = trained(&intensity(Viewpoint::Free));
         let frame = table(&[(3, 110.0, 110.0, 30.0), (6, 250.0, 110.0, 80.0)], 1.0);
         assert_eq!(labels(&model.recognise(&frame, |_| ()))[..2].len(), 2);
         let without = |left_out: fn(&Exemplar) -> bool| {

@@ -1,7 +1,9 @@
 //! The answer of a recognition: decision, votes, verified placements and their evidence.
 
 use super::confidence::Evidence;
+use super::homography::Homography;
 use super::placement::Placement;
+use super::reason::Reason;
 use super::warning::Warning;
 use crate::vision::InterestPoint;
 
@@ -39,8 +41,35 @@ pub struct Recognition {
     pub exemplar_weights: Vec<f64>,
     /// For the best vote.
     pub evidence: Evidence,
+    /// For the best vote, with gradient signatures.
+    pub a_contrario: Option<AContrario>,
+    /// Other labels than the decision's that chance doesn't explain, best first: they look alike, overlap, or are in
+    /// the frame too. Gradient signatures only.
+    pub also: Vec<Also>,
+    /// Why nothing was decided, the likeliest first. Gradient signatures only.
+    pub reasons: Vec<Reason>,
     /// Reasons to doubt the answer.
     pub warnings: Vec<Warning>,
+}
+
+/// How unlikely chance explains an agreement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AContrario {
+    /// log₁₀ of how often chance would agree as well, in all exemplars of a frame of something else.
+    pub log10_false_alarms: f64,
+    /// Windows of the frame, a spot once, that agree.
+    pub agreeing: usize,
+    /// Windows of the frame that were matched with the exemplar.
+    pub asked: usize,
+}
+
+/// Another label that chance doesn't explain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Also {
+    /// The class or place.
+    pub label: String,
+    /// The evidence for it.
+    pub a_contrario: AContrario,
 }
 
 /// The label that a frame is recognised as.
@@ -65,6 +94,8 @@ pub struct LabelVote {
     pub points: usize,
     /// Its best placement; `None` if the method verifies none.
     pub placement: Option<VerifiedPlacement>,
+    /// The evidence for it, with gradient signatures and where there is a placement.
+    pub a_contrario: Option<AContrario>,
 }
 
 /// A placement of an exemplar that was compared with the frame's gradients.
@@ -72,12 +103,34 @@ pub struct LabelVote {
 pub struct VerifiedPlacement {
     /// Index into the model's exemplars.
     pub exemplar: usize,
-    /// Position, rotation and scale in the frame.
+    /// Position, rotation and scale in the frame; of a homography, those of the picture's middle.
     pub placement: Placement,
+    /// From pixels of the exemplar's picture to pixels of the frame, with gradient signatures.
+    pub homography: Option<Homography>,
     /// Windows of the frame that agree with the placement.
     pub inliers: usize,
     /// Agreement of the edge template with the frame's gradients, −1..=1.
     pub agreement: f32,
+}
+
+impl VerifiedPlacement {
+    /// Where a point of an exemplar's picture of that size lies in the frame.
+    pub fn apply(&self, [x, y]: [f32; 2], width_px: u32, height_px: u32) -> [f32; 2] {
+        match &self.homography {
+            Some(homography) => homography.apply([f64::from(x), f64::from(y)]).map(|at| at as f32),
+            None => {
+                self.placement.apply([x - (width_px as f32 - 1.0) / 2.0, y - (height_px as f32 - 1.0) / 2.0])
+            }
+        }
+    }
+
+    /// The corners of an exemplar's picture of that size in the frame, from its top left clockwise on the screen when it
+    /// isn't turned.
+    pub fn outline_px(&self, width_px: u32, height_px: u32) -> [[f32; 2]; 4] {
+        let (right, bottom) = (width_px as f32 - 0.5, height_px as f32 - 0.5);
+        [[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]]
+            .map(|corner| self.apply(corner, width_px, height_px))
+    }
 }
 
 /// A verified placement that reaches the threshold.

@@ -3,9 +3,71 @@
 
 use super::description::WindowBatch;
 use super::model::{Exemplar, Landmarks};
-use super::options::Viewpoint;
+use super::options::{Signature, Viewpoint};
 use super::position_prior::{row_length, with_positions};
-use crate::eigen::{EigenpointIndex, Neighbour};
+use crate::eigen::{EigenpointIndex, InvertedIndex, Neighbour};
+
+/// Below so many eigenpoints all are looked at: an index would save little, and lose decisions near the threshold (2 of
+/// 15 of nine rooms, 16 thousand eigenpoints).
+const EXACT_BELOW: usize = 20_000;
+
+/// The eigenpoints of a database as they are searched: signatures of gradients are many.
+pub(super) enum WindowIndex {
+    /// All are looked at.
+    Exact(EigenpointIndex),
+    /// Lists of the nearest centroids.
+    Inverted(InvertedIndex),
+}
+
+impl WindowIndex {
+    /// The index of n × `dimension` row-major eigenpoints.
+    pub fn new(points: Vec<f32>, dimension: usize, signature: Signature) -> WindowIndex {
+        match signature {
+            Signature::Gradient if points.len() >= EXACT_BELOW * dimension => {
+                WindowIndex::Inverted(InvertedIndex::new(points, dimension))
+            }
+            Signature::Gradient | Signature::Intensity => {
+                WindowIndex::Exact(EigenpointIndex::new(points, dimension))
+            }
+        }
+    }
+
+    /// The eigenpoints, row-major.
+    pub fn points(&self) -> &[f32] {
+        match self {
+            WindowIndex::Exact(index) => index.points(),
+            WindowIndex::Inverted(index) => index.points(),
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        match self {
+            WindowIndex::Exact(index) => index.count(),
+            WindowIndex::Inverted(index) => index.count(),
+        }
+    }
+
+    /// Memory held.
+    pub fn bytes(&self) -> usize {
+        match self {
+            WindowIndex::Exact(index) => index.bytes(),
+            WindowIndex::Inverted(index) => index.bytes(),
+        }
+    }
+
+    /// The nearest of each query, nearest first.
+    fn nearest_several(&self, queries: &[f32], count: usize) -> Vec<Neighbour> {
+        match self {
+            WindowIndex::Exact(index) if count == 1 => index.nearest(queries),
+            WindowIndex::Exact(index) => index.nearest_several(queries, count),
+            WindowIndex::Inverted(index) => index.nearest_several(queries, count),
+        }
+    }
+}
+
+/// Neighbours that are looked at for each that is kept, where an exemplar is left out.
+const MORE_NEIGHBOURS: usize = 2;
 
 /// The eigenpoints of a database without those of some exemplars.
 pub(super) struct EigenpointSubset {
@@ -48,13 +110,34 @@ pub(super) fn nearest(
             let found = index.nearest_several(&projected, count.min(index.count()));
             found.into_iter().map(|n| Neighbour { index: rows[n.index] as usize, ..n }).collect()
         }
-        None if count == 1 => model.index.nearest(&projected),
         None => model.index.nearest_several(&projected, count),
     }
 }
 
+/// The nearest eigenpoints of every window without those of one exemplar, rows of equal length, nearest first. Where
+/// the exemplar takes most of what is near, the farthest of the others stands for those that are missing.
+pub(super) fn nearest_without(model: &Landmarks, batch: &WindowBatch, exemplar: usize) -> Vec<Neighbour> {
+    let count = neighbours_per_window(model);
+    let wanted = (MORE_NEIGHBOURS * count).min(model.index.count());
+    let found = model.index.nearest_several(&model.eigenspace.project(&batch.signatures), wanted);
+    let mut rows = Vec::with_capacity(batch.windows.len() * count);
+    for row in found.chunks_exact(wanted) {
+        let others = row.iter().filter(|near| model.windows[near.index].exemplar as usize != exemplar);
+        let before = rows.len();
+        rows.extend(others.take(count));
+        match rows[before..].last().copied() {
+            Some(farthest) => rows.resize(before + count, farthest),
+            // nothing else is near: the window says nothing
+            None => rows.resize(before + count, row[wanted - 1]),
+        }
+    }
+    rows
+}
+
 /// Local naive Bayes needs one neighbour more: the farthest stands for the background.
 fn neighbours_per_window(model: &Landmarks) -> usize {
-    let background = usize::from(model.options.viewpoint == Viewpoint::Upright);
+    let by_background =
+        model.options.viewpoint == Viewpoint::Upright || model.options.signature == Signature::Gradient;
+    let background = usize::from(by_background);
     (model.options.neighbours + background).min(model.index.count())
 }

@@ -1,13 +1,19 @@
 //! Training (A§4.1): the signatures of all exemplars, their eigenspace, and the eigenpoints in it.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
+use super::confidence::Confidence;
 use super::description::DescribedExemplar;
 use super::model::Landmarks;
-use super::options::{Colour, LandmarkOptions};
+use super::options::{Colour, LandmarkOptions, Signature};
 use super::parts::{LandmarkParts, coordinates};
 use crate::eigen::{EigenError, Eigenspace};
 use crate::recognition::OptionFault;
+
+/// Signatures that an eigenspace of gradients is fitted to at most.
+const MOST_FITTED: usize = 30_000;
 
 /// Figures of a training.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +79,8 @@ impl Landmarks {
         if signatures.is_empty() {
             return Err(TrainingError::NoInterestPoints);
         }
-        let (eigenspace, spectrum) = Eigenspace::fit(&signatures, signature_length, options.dimension) // A§4.1
+        let sample = sample(&signatures, signature_length, resolved.signature);
+        let (eigenspace, spectrum) = Eigenspace::fit(&sample, signature_length, options.dimension) // A§4.1
             .map_err(TrainingError::Eigenspace)?;
         let exemplars_without_points =
             exemplars.iter().filter(|e| e.windows.is_empty()).map(|e| e.exemplar.id.clone()).collect();
@@ -129,6 +136,17 @@ fn signatures(exemplars: &[DescribedExemplar], options: &LandmarkOptions, length
     rows.flat_map(|row| &row[..length]).copied().collect()
 }
 
+/// The signatures that the eigenspace is fitted to: of gradients, which are many, evenly chosen ones.
+fn sample(signatures: &[f32], length: usize, signature: Signature) -> Cow<'_, [f32]> {
+    let stride = (signatures.len() / length).div_ceil(MOST_FITTED);
+    match signature {
+        Signature::Gradient if stride > 1 => {
+            Cow::Owned(signatures.chunks_exact(length).step_by(stride).flatten().copied().collect())
+        }
+        Signature::Gradient | Signature::Intensity => Cow::Borrowed(signatures),
+    }
+}
+
 fn parts(
     exemplars: Vec<DescribedExemplar>,
     options: LandmarkOptions,
@@ -137,6 +155,7 @@ fn parts(
 ) -> LandmarkParts {
     let windows = || exemplars.iter().flat_map(|e| &e.windows);
     let owner = |(owner, e): (usize, &DescribedExemplar)| std::iter::repeat_n(owner as u32, e.windows.len());
+    let signature = options.signature;
     LandmarkParts {
         options,
         eigenpoints: eigenspace.project(signatures),
@@ -147,7 +166,7 @@ fn parts(
         points: windows().flat_map(|window| coordinates(&window.point)).collect(),
         radius: windows().map(|window| window.radius).collect(),
         spectra: exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect(),
-        confidence: None,
+        confidence: (signature == Signature::Gradient).then_some(Confidence::A_CONTRARIO),
         owner: exemplars.iter().enumerate().flat_map(owner).collect(),
         exemplars: exemplars.into_iter().map(|e| e.exemplar).collect(),
     }

@@ -40,7 +40,13 @@ impl ScoredHypothesis {
     /// The result without its matches.
     pub fn verified(&self) -> VerifiedPlacement {
         let Hypothesis { exemplar, placement, ref inliers, .. } = self.hypothesis;
-        VerifiedPlacement { exemplar, placement, inliers: inliers.len(), agreement: self.agreement }
+        VerifiedPlacement {
+            exemplar,
+            placement,
+            homography: None,
+            inliers: inliers.len(),
+            agreement: self.agreement,
+        }
     }
 
     /// Index of each inlier's match, and its part of W.

@@ -58,7 +58,7 @@ fn best_of_labels(weights: &[f64], exemplars: &[Exemplar]) -> Vec<bool> {
 
 /// The labels with W > 0, which is the sum of their points' weights, best first.
 pub(super) fn label_votes(points: &[PointVote], exemplars: &[Exemplar]) -> Vec<LabelVote> {
-    let label_of = label_of(exemplars);
+    let label_of = label_numbers(exemplars);
     let mut totals = vec![(0.0, 0); label_of.last().map_or(0, |last| last + 1)];
     for point in points {
         let (weight, count) = &mut totals[label_of[point.exemplar]];
@@ -76,6 +76,7 @@ pub(super) fn label_votes(points: &[PointVote], exemplars: &[Exemplar]) -> Vec<L
             share: weight / all,
             points,
             placement: None,
+            a_contrario: None,
         })
         .collect();
     votes.sort_by(|a, b| b.weight.total_cmp(&a.weight)); // stable: equal ones stay in the order of labels
@@ -83,7 +84,7 @@ pub(super) fn label_votes(points: &[PointVote], exemplars: &[Exemplar]) -> Vec<L
 }
 
 /// The number of each exemplar's label: equal labels stand together, as the exemplars are sorted by them.
-fn label_of(exemplars: &[Exemplar]) -> Vec<usize> {
+pub(super) fn label_numbers(exemplars: &[Exemplar]) -> Vec<usize> {
     let runs = exemplars.chunk_by(|a, b| a.label == b.label);
     runs.enumerate().flat_map(|(run, members)| members.iter().map(move |_| run)).collect()
 }

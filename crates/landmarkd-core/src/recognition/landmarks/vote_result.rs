@@ -127,6 +127,7 @@ fn placement_votes(
         share: weight(scored) / all,
         points: scored.hypothesis.inliers.len(),
         placement: Some(scored.verified()),
+        a_contrario: None,
     };
     best_of_labels.iter().map(vote).collect()
 }

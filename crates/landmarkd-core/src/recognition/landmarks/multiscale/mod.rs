@@ -1,0 +1,369 @@
+//! Recognition on a scale space by gradient signatures: what is seen larger, smaller, obliquely or in another light is
+//! known again, and the number of false alarms decides (A§6 asks for several scales, and for structure).
+//!
+//! Working size → scale space → interest points → signatures → nearest eigenpoints → consensus of their matches on place, turn
+//! and scale → a similarity or a plane → the number of false alarms.
+
+mod a_contrario;
+mod consensus;
+pub(super) mod description;
+mod hypothesis;
+mod matching;
+mod placed_template;
+#[cfg(test)]
+mod planted;
+mod ranking;
+mod window_votes;
+
+use description::ScaleSpaceDescriber;
+use hypothesis::{Hypothesis, HypothesisOptions, decided, hypotheses, instances};
+use ranking::{AskedWindows, Ranking};
+use window_votes::WindowVotes;
+
+use super::description::{DescribedExemplar, ExemplarName};
+use super::edge_template::{GradientDirections, edge_points};
+use super::model::{Exemplar, Landmarks};
+use super::options::{Colour, LandmarkOptions};
+use super::recognition::{Recognition, Stage};
+use super::search::{nearest, nearest_without};
+use super::vote::label_numbers;
+use crate::imaging::Frame;
+use crate::vision::gradient_signature::SPECTRUM_LENGTH;
+use crate::vision::kept_spectrum;
+
+/// Things that are looked for in one frame at most.
+const MOST_INSTANCES: usize = 16;
+
+/// Describes one exemplar. The colour of the options must be resolved.
+pub(super) fn describe(name: ExemplarName, frame: &Frame, options: &LandmarkOptions) -> DescribedExemplar {
+    let working = options.working_frame(frame);
+    let describer = ScaleSpaceDescriber::new(options);
+    let attention = describer.attend(&working);
+    let batch = describer.describe(&working, &attention, options.interest_points);
+    let mut spectra = Vec::with_capacity(batch.spectra.len());
+    batch.spectra.chunks_exact(SPECTRUM_LENGTH).for_each(|row| kept_spectrum(row, &mut spectra));
+    DescribedExemplar {
+        exemplar: Exemplar {
+            id: name.id,
+            label: name.label,
+            width_px: posted_side(frame.width(), frame.reduction),
+            height_px: posted_side(frame.height(), frame.reduction),
+            windows: batch.windows.len(),
+            edges: edge_points(attention.smoothed()),
+        },
+        windows: batch.windows,
+        colour: options.colour == Colour::Opponent,
+        signatures: batch.signatures,
+        spectra,
+    }
+}
+
+/// A side of the posted picture.
+fn posted_side(side_px: usize, reduction: f32) -> u32 {
+    (side_px as f32 * reduction).round() as u32
+}
+
+/// Recognises a frame by all exemplars of a database, or without the one of an index. Calls `finished` after each stage.
+pub(super) fn recognise(
+    model: &Landmarks,
+    describer: &ScaleSpaceDescriber,
+    held_out: Option<usize>,
+    frame: &Frame,
+    mut finished: impl FnMut(Stage),
+) -> Recognition {
+    let working = model.options.working_frame(frame);
+    let attention = describer.attend(&working); // A§4.2
+    finished(Stage::Attention);
+    let batch = describer.describe(&working, &attention, model.options.query_points); // A§4.3, A§4.4
+    finished(Stage::Signature);
+    let neighbours = match held_out {
+        None => nearest(model, &batch, None), // A§4.1, A§4.5
+        Some(exemplar) => nearest_without(model, &batch, exemplar),
+    };
+    finished(Stage::Search);
+    let votes = WindowVotes::of(model, describer, &batch, &neighbours);
+    finished(Stage::Vote);
+    let seen =
+        hypothesis::Frame { width_px: working.width(), height_px: working.height(), matches: &votes.matches };
+    let exemplars: Vec<hypothesis::Exemplar> =
+        (0..model.exemplars.len()).map(|index| size(model, index)).collect();
+    let options = HypothesisOptions { least_evidence: model.options.least_evidence(), ..Default::default() };
+    let found = hypotheses(&exemplars, &seen, &votes.weights, &options);
+    let decided = decided(&found, &label_numbers(&model.exemplars), &options).is_some();
+    let instances =
+        if decided { all_there(&exemplars, &seen, &votes.weights, &found, &options) } else { Vec::new() };
+    let ranking = Ranking {
+        model,
+        working: &working,
+        directions: &GradientDirections::of(attention.smoothed()),
+        decided,
+        hypotheses: found,
+        instances,
+    };
+    let windows = AskedWindows {
+        batch: &batch,
+        neighbours: &neighbours,
+        matches: &votes.matches,
+        points_found: attention.points(),
+    };
+    let recognition = ranking.recognition(&windows, votes.weights.clone());
+    finished(Stage::Verification);
+    recognition
+}
+
+/// Every thing in the frame, of the exemplars that chance doesn't explain.
+fn all_there(
+    exemplars: &[hypothesis::Exemplar],
+    seen: &hypothesis::Frame<'_>,
+    votes: &[f64],
+    found: &[Hypothesis],
+    options: &HypothesisOptions,
+) -> Vec<Hypothesis> {
+    let evident = found.iter().filter(|found| found.evidence >= options.least_evidence);
+    let mut of_evident = vec![0.0; votes.len()];
+    let mut promising = 0;
+    for found in evident {
+        of_evident[found.exemplar] = votes[found.exemplar];
+        promising += 1;
+    }
+    instances(exemplars, seen, &of_evident, &HypothesisOptions { promising, ..*options }, MOST_INSTANCES)
+}
+
+/// What hypotheses need of an exemplar.
+fn size(model: &Landmarks, exemplar: usize) -> hypothesis::Exemplar {
+    let [width_px, height_px] = model.working_size_px(exemplar).map(|side| side as usize);
+    hypothesis::Exemplar { width_px, height_px }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::homography::Homography;
+    use super::super::pictures::{laid, name, wall};
+    use super::super::{
+        LandmarkOptions, LandmarkParts, Landmarks, Method, Placement, Viewpoint, describe, left_out,
+        names_rightly, synthetic_views,
+    };
+    use super::*;
+    use crate::imaging::Image;
+
+    /// Walls of 240 × 200 px, each its own label.
+    const WALLS: u64 = 6;
+
+    fn picture(seed: u64) -> Image {
+        wall(seed, 240, 200)
+    }
+
+    fn model_of(pictures: impl Iterator<Item = (String, Image)>, options: &LandmarkOptions) -> Landmarks {
+        let described = pictures.enumerate().map(|(number, (label, image))| {
+            describe(name(&format!("{label}-{number}"), &label), &Frame::gray(image), options)
+        });
+        Landmarks::train(described.collect(), options).unwrap().0
+    }
+
+    fn trained() -> Landmarks {
+        model_of((0..WALLS).map(|seed| (seed.to_string(), picture(seed))), &LandmarkOptions::default())
+    }
+
+    /// A frame of 400 × 360 px with a picture at a similarity, on a wall.
+    fn shown(image: &Image, placement: Placement) -> Image {
+        let mut frame = wall(97, 400, 360);
+        put(&mut frame, image, placement);
+        frame
+    }
+
+    fn put(frame: &mut Image, image: &Image, placement: Placement) {
+        let middle = [image.width(), image.height()].map(|side| (side as f64 - 1.0) / 2.0);
+        let (sin, cos) = f64::from(placement.rotation_rad).sin_cos();
+        laid(frame, image, |x, y| {
+            let (dx, dy) = (x - f64::from(placement.x_px), y - f64::from(placement.y_px));
+            let scale = f64::from(placement.scale);
+            [middle[0] + (cos * dx + sin * dy) / scale, middle[1] + (cos * dy - sin * dx) / scale]
+        });
+    }
+
+    fn at(x_px: f32, y_px: f32, rotation_rad: f32, scale: f32) -> Placement {
+        Placement { x_px, y_px, rotation_rad, scale }
+    }
+
+    fn decided(recognition: &Recognition) -> Option<&str> {
+        recognition.decision.as_ref().map(|decision| &decision.label[..])
+    }
+
+    #[test]
+    fn what_is_turned_larger_or_smaller_is_decided_and_placed_without_calibration() {
+        let model = trained();
+        for (seed, placement) in [
+            (0, at(200.0, 180.0, 0.0, 1.0)),
+            (1, at(210.0, 170.0, 2.1, 1.3)),
+            (2, at(190.0, 190.0, -0.7, 0.7)),
+            (3, at(200.0, 180.0, std::f32::consts::PI, 0.5)),
+        ] {
+            let frame = Frame::gray(shown(&picture(seed), placement));
+            let recognition = model.recognise(&frame, |_| ());
+            assert_eq!(decided(&recognition), Some(&seed.to_string()[..]), "{placement:?}");
+            let found = recognition.votes[0].placement.unwrap();
+            let wanted = placement.outline_px(240, 200);
+            let off = found
+                .outline_px(240, 200)
+                .into_iter()
+                .zip(wanted)
+                .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+            let worst_px = off.fold(0.0, f32::max);
+            assert!(worst_px < 8.0, "{placement:?}: {worst_px} px off");
+            assert_eq!(recognition.instances.len(), 1, "{placement:?}");
+            let sum: f64 = recognition
+                .points
+                .iter()
+                .map(|p| p.weight * f64::from(u8::from(p.exemplar == found.exemplar)))
+                .sum();
+            assert!((sum - recognition.votes[0].weight).abs() < 1e-9 * sum);
+        }
+    }
+
+    #[test]
+    fn what_is_seen_obliquely_is_laid_by_a_homography() {
+        let model = trained();
+        let truth = Homography([[1.2, 0.15, 60.0], [0.05, 1.1, 70.0], [0.0012, 0.0003, 1.0]]);
+        let corners = [[0.0, 0.0], [239.0, 0.0], [239.0, 199.0], [0.0, 199.0]];
+        let back = Homography::fitted(&corners.map(|corner| (truth.apply(corner), corner))).unwrap();
+        let mut frame = wall(98, 400, 360);
+        laid(&mut frame, &picture(4), |x, y| back.apply([x, y]));
+        let recognition = model.recognise(&Frame::gray(frame), |_| ());
+        assert_eq!(decided(&recognition), Some("4"));
+        let found = recognition.votes[0].placement.unwrap().homography.unwrap();
+        for corner in corners {
+            let (a, b) = (found.apply(corner), truth.apply(corner));
+            assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 8.0, "{corner:?}: {a:?} for {b:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_strange_mirrored_or_flat_is_unknown_and_says_why() {
+        let model = trained();
+        let mirrored = |image: &Image| {
+            Image::from_fn(image.width(), image.height(), |x, y| image.at(image.width() - 1 - x, y))
+        };
+        let strange =
+            (40..52).map(|seed| wall(seed, 400, 360)).chain([mirrored(&picture(0)), mirrored(&picture(3))]);
+        for (number, frame) in strange.enumerate() {
+            let recognition = model.recognise(&Frame::gray(frame), |_| ());
+            assert_eq!(decided(&recognition), None, "{number}");
+            assert!(recognition.instances.is_empty() && !recognition.reasons.is_empty());
+        }
+        let flat = model.recognise(&Frame::gray(Image::from_fn(320, 240, |_, _| 3.0)), |_| ());
+        let codes: Vec<&str> = flat.reasons.iter().map(|reason| reason.code()).collect();
+        assert_eq!(codes, ["too_dark", "little_to_see", "unlike_anything"]);
+        assert!(flat.votes.is_empty() && flat.a_contrario.is_none());
+    }
+
+    #[test]
+    fn two_of_one_label_and_one_of_another_are_all_found_and_none_twice() {
+        let model = trained();
+        let mut frame = wall(99, 640, 480);
+        let lie = [
+            (0, at(140.0, 120.0, 0.3, 0.9)),
+            (0, at(480.0, 130.0, -0.2, 1.0)),
+            (5, at(330.0, 370.0, 0.1, 0.9)),
+        ];
+        for (seed, placement) in lie {
+            put(&mut frame, &picture(seed), placement);
+        }
+        let recognition = model.recognise(&Frame::gray(frame), |_| ());
+        assert_eq!(recognition.instances.len(), 3);
+        for (seed, placement) in lie {
+            let there = recognition.instances.iter().filter(|instance| {
+                let found = &instance.verified.placement;
+                instance.label == seed.to_string()
+                    && (found.x_px - placement.x_px).hypot(found.y_px - placement.y_px) < 8.0
+            });
+            assert_eq!(there.count(), 1, "{seed} at {placement:?}");
+        }
+    }
+
+    #[test]
+    fn one_picture_under_two_labels_is_named_as_both() {
+        let pictures = [("a", 1), ("b", 1), ("c", 2)].map(|(label, seed)| (label.to_owned(), picture(seed)));
+        let model = model_of(pictures.into_iter(), &LandmarkOptions::default());
+        let recognition =
+            model.recognise(&Frame::gray(shown(&picture(1), at(200.0, 180.0, 0.5, 1.0))), |_| ());
+        let mut named: Vec<&str> = recognition.also.iter().map(|also| &also.label[..]).collect();
+        named.extend(decided(&recognition));
+        named.sort_unstable();
+        assert_eq!(named, ["a", "b"]);
+        let frame = Frame::gray(picture(1));
+        let alone = left_out(&model, "a-0", &frame).unwrap();
+        assert_eq!((alone.has_others, alone.named), (false, false));
+        assert_eq!((alone.alike, alone.same_picture), (vec!["b".to_owned()], Some("b-1".to_owned())));
+    }
+
+    #[test]
+    fn windows_of_one_wall_that_overlap_do_not_silence_each_other() {
+        let strip = wall(7, 80 * 15 + 320, 240);
+        let window = |left: usize| Image::from_fn(320, 240, |x, y| strip.at(left + x, y));
+        let labels = (0..16).map(|number| (format!("{number:02}"), window(80 * number)));
+        let model = model_of(labels, &LandmarkOptions::default());
+        for number in 0..15 {
+            let recognition = model.recognise(&Frame::gray(window(80 * number + 20)), |_| ());
+            assert_eq!(decided(&recognition), Some(&format!("{number:02}")[..]));
+            assert!(recognition.also.iter().any(|also| also.label == format!("{:02}", number + 1)));
+        }
+    }
+
+    #[test]
+    fn answers_are_in_pixels_of_the_posted_picture() {
+        let options = LandmarkOptions { working_size_px: Some(320), ..LandmarkOptions::default() };
+        let twice = |image: &Image| {
+            Image::from_fn(2 * image.width(), 2 * image.height(), |x, y| image.at(x / 2, y / 2))
+        };
+        let model = model_of((0..3).map(|seed| (seed.to_string(), twice(&wall(seed, 320, 240)))), &options);
+        assert_eq!((model.exemplars()[0].width_px, model.exemplars()[0].height_px), (640, 480));
+        let recognition = model.recognise(&Frame::gray(twice(&wall(1, 320, 240))), |_| ());
+        let outline = recognition.votes[0].placement.unwrap().outline_px(640, 480);
+        for (found, corner) in
+            outline.iter().zip([[-0.5, -0.5], [639.5, -0.5], [639.5, 479.5], [-0.5, 479.5]])
+        {
+            assert!((found[0] - corner[0]).hypot(found[1] - corner[1]) < 4.0, "{outline:?}");
+        }
+        assert!(recognition.points.iter().any(|point| point.x_px > 400.0));
+    }
+
+    #[test]
+    fn an_upright_camera_is_not_asked_about_what_is_turned() {
+        let options = LandmarkOptions::of(Method::Placement, Viewpoint::Upright);
+        let model = model_of((0..3).map(|seed| (seed.to_string(), picture(seed))), &options);
+        let tilted = Frame::gray(shown(&picture(1), at(200.0, 180.0, 0.2, 1.0)));
+        assert_eq!(decided(&model.recognise(&tilted, |_| ())), Some("1"));
+        let turned = Frame::gray(shown(&picture(1), at(200.0, 180.0, 1.6, 1.0)));
+        assert_eq!(decided(&model.recognise(&turned, |_| ())), None);
+    }
+
+    #[test]
+    fn a_picture_under_a_second_label_makes_a_model_worse_and_one_beside_it_does_not() {
+        let options = LandmarkOptions::default();
+        let pictures = || (0..3).map(|seed| (seed.to_string(), picture(seed)));
+        let right = |model: &Landmarks| {
+            let named = (0..3).flat_map(|seed| {
+                let name = name(&format!("{seed}-{seed}"), &seed.to_string());
+                let views = synthetic_views(&name, &Frame::gray(picture(seed)), 0, &options);
+                names_rightly(model, &name, &views)
+            });
+            named.filter(|right| *right).count()
+        };
+        let before = right(&model_of(pictures(), &options));
+        assert!(before >= 9, "{before} of 12");
+        let twice = model_of(pictures().chain([("other".to_owned(), picture(1))]), &options);
+        assert!(right(&twice) + 3 <= before, "{} and {before}", right(&twice));
+        let grown = model_of(pictures().chain([("new".to_owned(), picture(9))]), &options);
+        assert!(right(&grown) + 1 >= before, "{} and {before}", right(&grown));
+    }
+
+    #[test]
+    fn a_model_comes_back_from_its_parts() {
+        let model = trained();
+        let parts = LandmarkParts::from(&model);
+        let back = Landmarks::try_from(parts.clone()).unwrap();
+        assert_eq!(LandmarkParts::from(&back), parts);
+        let frame = Frame::gray(shown(&picture(2), at(200.0, 180.0, 1.0, 1.0)));
+        assert_eq!(back.recognise(&frame, |_| ()), model.recognise(&frame, |_| ()));
+    }
+}
