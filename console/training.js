@@ -4,7 +4,7 @@ import {h, replace} from "./dom.js";
 import {call, get, put} from "./api.js";
 import {act, problem} from "./parts.js";
 
-const MAIN_OPTIONS = {landmarks: ["method", "viewpoint", "operator"], objects: ["segment", "dimension", "stages"]};
+const MAIN_OPTIONS = {landmarks: ["method", "viewpoint", "signature"], objects: ["segment", "dimension", "stages"]};
 // Options that may be none. For the others null means the database's value.
 const MAY_BE_NONE = ["position_prior_px", "width_px", "height_px"];
 const PROMOTE = {always: "always", if_not_worse: "if it is not worse than the one in use", never: "never: I shall do it myself"};
@@ -71,7 +71,7 @@ export function training(page, onQueued) {
   const keep = h("input", {type: "checkbox", id: "keep-options"});
   const form = h("form", {onSubmit: (event) => event.preventDefault()}, main,
     h("details", {}, h("summary", {}, "All options"),
-      h("p", {class: "muted"}, "An empty field stays as it is. Another method or viewpoint starts from its own defaults."), rest,
+      h("p", {class: "muted"}, "An empty field stays as it is. Another method, viewpoint or signature starts from its own defaults."), rest,
       h("p", {class: "row"}, keep, h("label", {for: "keep-options"}, "Keep these options for later trainings too"))),
     h("div", {class: "promotion"}, h("label", {for: "promote"}, "Let the new version answer"), promote),
     h("div", {class: "row"}, act("Train", train, {place, type: "submit", id: "train"})), place);
@@ -105,7 +105,7 @@ export function training(page, onQueued) {
 // The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes.
 async function keepOptions(page, options) {
   const {kind, options: kept} = await get(page.path);
-  const another = ["method", "viewpoint"].some((name) => options[name] && options[name] !== kept[name]);
-  const base = another ? {method: kept.method, viewpoint: kept.viewpoint} : kept;
+  const another = ["method", "viewpoint", "signature"].some((name) => options[name] && options[name] !== kept[name]);
+  const base = another ? {method: kept.method, viewpoint: kept.viewpoint, signature: kept.signature} : kept;
   await put(page.path, {kind, options: {...base, ...options}});
 }

@@ -203,6 +203,8 @@ function verdict(answer, version) {
   const doubts = warnings.map((code) => h("li", {}, inWords(code, answer) ?? code, " ", h("code", {class: "muted"}, code)));
   if (!decision) {
     const [best] = answer.votes ?? [];
+    doubts.unshift(...(answer.reasons ?? []).map(({code, detail, remedy}) =>
+      h("li", {}, `${detail}: ${remedy}. `, h("code", {class: "muted"}, code))));
     return [
       h("h2", {class: "decided unknown", id: "try-decision"}, "Unknown"),
       h("p", {}, "Nothing known is in the frame for sure enough. That is an answer, not an error: don't act on the evidence below."),
@@ -221,6 +223,8 @@ function verdict(answer, version) {
       : [h("p", {}, "Confidence ", h("strong", {}, confidenceText(confidence)),
         threshold === null ? null : h("span", {class: "muted"}, ` · threshold ${number(threshold)}`)),
         meter(confidence, threshold)],
+    answer.also?.length ? h("p", {}, `It may also be ${answer.also.map((other) => other.label).join(", ")}: chance explains none of them.`)
+      : null,
     doubts.length ? [h("h3", {}, "Doubts"), h("ul", {class: "reasons"}, doubts)] : h("p", {class: "muted"}, "No warnings."),
   ];
 }

@@ -22,6 +22,7 @@ export function headline(report) {
     return `${held.known_right} of ${held.known} held-out views named right; `
       + `${held.unknown_refused} of ${held.unknown} unknown ones refused.`;
   }
+  if (report.verdict) return [report.verdict.summary, report.verdict.remedy].filter(Boolean).join(". To do: ") + ".";
   const reliability = report.reliability;
   if (!reliability) return "Not calibrated: its answers have no confidence.";
   return `${percent(reliability.known_named)} of known frames named, ${percent(reliability.known_misnamed)} misnamed; `
@@ -215,7 +216,9 @@ function spectrum(page, versions) {
 function landmarkCharts(page, versions) {
   const reliabilities = versions.map(({report}) => report.reliability);
   if (reliabilities.every((each) => !each)) {
-    return h("section", {class: "card"}, h("h2", {}, "Reliability"), h("p", {}, "Unknown: the version isn't calibrated."));
+    return h("section", {class: "card"}, h("h2", {}, "Reliability"), h("p", {},
+      versions.some(({report}) => report.verdict) ? "The number of false alarms decides: the verdict above is of its own pictures."
+        : "Unknown: the version isn't calibrated."));
   }
   const lines = reliabilities.map((each, index) => ({name: page.names[index], dots: true, mark: each?.threshold,
     points: (each?.curve ?? []).map((bin) => [bin.confidence, bin.right, bin.answers])}));

@@ -15,9 +15,10 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("angle", &[]),
     ("statistics", &[]),
-    ("imaging", &["statistics"]),
+    ("random", &[]),
+    ("imaging", &["statistics", "random"]),
     ("vision", &["imaging"]),
-    ("eigen", &[]),
+    ("eigen", &["random"]),
     ("depth", &["vision", "eigen", "imaging", "statistics"]),
     ("recognition", &["vision", "eigen", "imaging", "angle", "statistics"]),
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
@@ -62,10 +63,11 @@ const WIRING: [&str; 6] = ["lib", "main", "serve", "keys", "demo", "evaluate"];
 /// Where a word of the core may stand: folders or files of `crates/landmarkd-core/src`.
 const CORE_DOORS: &[(&str, &[&str])] = &[
     ("image::", &["imaging"]),
+    ("jpeg_decoder", &["imaging/decode.rs"]),
     ("embedded_graphics", &["imaging"]),
     ("colorous", &["imaging/false_colour.rs"]),
     ("libm", &["depth"]),
-    ("memchr", &["vision/segmentation/components.rs"]),
+    ("memchr", &["vision/segmentation/components.rs", "imaging/decode.rs"]),
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
     ("kiddo", &["eigen"]),

@@ -33,7 +33,9 @@ pub use model::{ALGORITHM_REVISION, Counts, Model};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::{Kind, Options, OptionsDocument};
 pub use registry::{LoadedVersion, Registry};
-pub(crate) use report::{LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings};
+pub(crate) use report::{
+    LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings, VerdictReport,
+};
 pub use verification::{Verification, verify};
 pub use version::inputs_digest;
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};

@@ -15,7 +15,7 @@ use super::options::document_of;
 use super::queries::{Answers, Progress, ask};
 use crate::database::options::Options;
 use landmarkd_core::recognition::landmarks::{
-    CalibrationPlan, ExemplarName, LandmarkOptions, Landmarks, Recognition, TrainingReport,
+    CalibrationPlan, ExemplarName, LandmarkOptions, Landmarks, Recognition, Signature, TrainingReport,
     calibration_samples, describe, synthetic_views,
 };
 
@@ -67,6 +67,8 @@ pub struct LandmarkEvaluation {
     pub decided: Decided,
     /// Least confidence of a decision; `None` if the exemplars didn't allow to learn it: then the best is decided.
     pub threshold: Option<f64>,
+    /// With gradient signatures: the part of frames of something unknown that may be decided.
+    pub false_alarms: Option<f64>,
     /// `None` without frames that show no known object.
     pub rejection: Option<Rejection>,
     /// What was taken for what, most frequent first.
@@ -105,6 +107,7 @@ pub(super) fn evaluate(
         &mut progress,
     );
 
+    let by_confidence = options.signature == Signature::Intensity;
     let (known, unknown): (Vec<Judged>, Vec<Judged>) = judged.into_iter().partition(|j| j.shown.is_some());
     let decided = |wanted: &dyn Fn(&Judged) -> bool| Rate::among(known.iter().map(wanted));
     let within = |most: usize| Rate::among(known.iter().map(|j| j.rank < most));
@@ -122,7 +125,8 @@ pub(super) fn evaluate(
             misnamed: decided(&|j| j.decided.is_some() && j.decided != j.shown),
             null: decided(&|j| j.decided.is_none()),
         },
-        threshold: model.confidence().map(|confidence| confidence.threshold),
+        threshold: model.confidence().filter(|_| by_confidence).map(|confidence| confidence.threshold),
+        false_alarms: (!by_confidence).then_some(options.false_alarms),
         rejection: rejection(&known, &unknown),
         confusion: Confusion::counted(wrong.map(|j| (j.shown.clone().unwrap_or_default(), j.named.clone()))),
         untrained_labels,
@@ -160,7 +164,9 @@ fn train(
     }
     let trained = timed(&mut training_ms, || Landmarks::train(exemplars, options));
     let (mut model, report) = trained.map_err(|source| EvaluateError::LandmarkTraining { source })?;
-    timed(&mut calibration_ms, || calibrate(&mut model));
+    if options.signature == Signature::Intensity {
+        timed(&mut calibration_ms, || calibrate(&mut model));
+    }
     Ok(Trained { model, report, training_ms, calibration_ms })
 }
 
@@ -246,9 +252,10 @@ impl fmt::Display for LandmarkEvaluation {
         row(f, "top-1", &self.top_1)?;
         row(f, "top-5", &self.top_5)?;
         let Decided { named, misnamed, null } = &self.decided;
-        match self.threshold {
-            Some(threshold) => row(f, "threshold", &format_args!("{threshold:.3}"))?,
-            None => row(f, "threshold", &"none: the best is decided")?,
+        match (self.threshold, self.false_alarms) {
+            (Some(threshold), _) => row(f, "threshold", &format_args!("{threshold:.3}"))?,
+            (None, Some(alarms)) => row(f, "false alarms", &format_args!("{alarms} a frame at most"))?,
+            (None, None) => row(f, "threshold", &"none: the best is decided")?,
         }
         row(f, "named", named)?;
         row(f, "misnamed", misnamed)?;
@@ -321,7 +328,7 @@ mod tests {
         let rejection = evaluation.rejection.as_ref().unwrap();
         assert_eq!((rejection.frames, rejection.kept, rejection.auroc), (2, Rate::of(3, 3), 1.0));
         assert_eq!((evaluation.decided.named, rejection.refused), (Rate::of(3, 3), Rate::of(2, 2)));
-        assert!(evaluation.threshold.is_some_and(|threshold| threshold >= 0.5), "{evaluation}");
+        assert_eq!((evaluation.threshold, evaluation.false_alarms), (None, Some(0.01)), "{evaluation}");
         assert_eq!(evaluation.untrained_labels, ["attic"]);
         assert!(evaluation.confusion.is_empty() && evaluation.skipped.is_empty());
         assert_eq!(reported, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());

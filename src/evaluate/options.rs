@@ -69,7 +69,7 @@ pub(super) fn read_pair(pair: &str) -> Option<(&str, Value)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Signature, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, ObjectOptions};
 
     fn with(kind: Kind, pairs: &[&str]) -> Result<Options, EvaluateError> {
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(options, LandmarkOptions { rings: 6, ..paper });
         let upright = LandmarkOptions {
             position_prior_px: Some(30.0),
-            ..LandmarkOptions::of(Method::Placement, Viewpoint::Upright)
+            ..LandmarkOptions::with_signature(Method::Placement, Viewpoint::Upright, Signature::Intensity)
         };
         let given = with(&["viewpoint=upright", "position_prior_px=30"]).unwrap();
         assert_eq!(given, Options::Landmarks(upright));

@@ -15,7 +15,7 @@ use super::paths::DatabasePath;
 use super::problem::Problem;
 use crate::access::Caller;
 use crate::database::OptionsDocument;
-use crate::jobs::{Promote, TrainingParams};
+use crate::jobs::{Promote, SelfCheck, TrainingParams};
 
 /// A training to do.
 #[derive(Debug, Default, Deserialize, ToSchema)]
@@ -28,6 +28,8 @@ pub struct NewTraining {
     #[serde(default)]
     #[schema(default = "always")]
     pub promote: Promote,
+    /// Of landmarks: whether the version is asked about its own pictures before it is published; `wait` unless given.
+    pub calibration: Option<SelfCheck>,
 }
 
 /// Train the database's exemplars into a version: answers at once with a job.
@@ -44,7 +46,8 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let base = read_options(&service.databases.get(&path.database).await?)?;
     let options = options::patched(base, &new.options.unwrap_or_default())?;
-    let params = TrainingParams { options, promote: new.promote };
+    let params =
+        TrainingParams { options, promote: new.promote, calibration: new.calibration.unwrap_or_default() };
     let job = service.jobs.train(&path.database, &params, &caller.actor()).await?;
     Ok(queued(job))
 }

@@ -24,7 +24,7 @@ use super::{Service, body};
 use crate::compute::Lane;
 use crate::config::Limits;
 use crate::database::FrameHeader;
-use landmarkd_core::imaging::{self, DecodeLimits, Format};
+use landmarkd_core::imaging::{self, DecodeLimits, Format, Header};
 
 /// A picture as sent, with the format and the sizes in its header.
 #[derive(Debug)]
@@ -33,6 +33,7 @@ pub struct Picture {
     pub format: Format,
     /// Bits a sample.
     pub bits: u8,
+    pub header: Header,
     /// Memory that the picture takes while it is worked on.
     pub working_bytes: u64,
     /// Memory that it takes as one of the two that a depth map is made of.
@@ -79,6 +80,7 @@ impl Picture {
             bytes,
             format: header.format,
             bits: header.bits,
+            header,
             working_bytes: header.working_bytes(),
             depth_bytes: header.depth_bytes(),
             _share: None,

@@ -39,11 +39,13 @@ impl Worker<'_> {
     }
 
     /// Runs `work` on each exemplar, several at once on the training lane, and gives it the exemplar's index. Returns
-    /// its values in the exemplars' order, and the milliseconds that all of it took.
+    /// its values in the exemplars' order, and the milliseconds that all of it took. Pictures are brought down to
+    /// `longer_side_px`.
     pub(super) async fn each<T, F>(
         &self,
         stage: &str,
         exemplars: Vec<ExemplarRow>,
+        longer_side_px: Option<usize>,
         work: F,
     ) -> Result<(Vec<T>, f64), Stop>
     where
@@ -53,7 +55,7 @@ impl Worker<'_> {
         let started = Instant::now();
         let (total, work) = (exemplars.len() as u64, Arc::new(work));
         let made = stream::iter(exemplars.into_iter().enumerate())
-            .map(|(place, row)| self.one(place, row, Arc::clone(&work)))
+            .map(|(place, row)| self.one(place, row, longer_side_px, Arc::clone(&work)))
             .buffered(self.compute.threads(Lane::Training))
             .enumerate()
             .then(|(done, made)| async move {
@@ -65,7 +67,13 @@ impl Worker<'_> {
         Ok((made, started.elapsed().as_secs_f64() * 1e3))
     }
 
-    async fn one<T, F>(&self, place: usize, row: ExemplarRow, work: Arc<F>) -> Result<T, Stop>
+    async fn one<T, F>(
+        &self,
+        place: usize,
+        row: ExemplarRow,
+        longer_side_px: Option<usize>,
+        work: Arc<F>,
+    ) -> Result<T, Stop>
     where
         T: Send + 'static,
         F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
@@ -73,10 +81,16 @@ impl Worker<'_> {
         let bytes = self.databases.exemplar_bytes(&row).await?;
         let limits = *self.decode;
         // Synthetic views are drawn beside the picture, some at a time.
-        let memory = imaging::read_header(&bytes, &limits)
-            .map_or(0, |header| PICTURES_AT_ONCE * header.working_bytes());
+        let memory = imaging::read_header(&bytes, &limits).map_or(0, |header| match longer_side_px {
+            Some(side_px) => header.reduced_bytes(side_px),
+            None => PICTURES_AT_ONCE * header.working_bytes(),
+        });
         let work = move || {
-            let frame = imaging::decode(&bytes, &limits).map_err(|error| {
+            let decoded = match longer_side_px {
+                Some(side_px) => imaging::decode_reduced(&bytes, &limits, side_px),
+                None => imaging::decode(&bytes, &limits),
+            };
+            let frame = decoded.map_err(|error| {
                 let (id, error) = (row.id, chain(&error));
                 let text = format!("exemplar {id} can't be decoded: {error}; delete it and train again");
                 Stop::failed(Code::UnreadableExemplar, text)

@@ -18,8 +18,7 @@ fn count(comparison: &Value, member: &str) -> u64 {
 #[tokio::test(flavor = "multi_thread")]
 async fn landmarks_with_a_wrong_label_among_them_are_not_promoted() {
     let app = App::start().await;
-    let options =
-        json!({"interest_points": 48, "query_points": 200, "subwindow_radius_px": 9, "dimension": 16});
+    let options = json!({"signature": "intensity", "interest_points": 48, "query_points": 200, "subwindow_radius_px": 9, "dimension": 16});
     app.put("/v1/databases/lab", json!({"kind": "landmarks", "options": options})).await.expect(201);
     for number in 1..=4 {
         app.add("lab", &format!("place-{number}"), number).await;

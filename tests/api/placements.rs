@@ -66,9 +66,61 @@ fn number(value: &Value) -> f64 {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_in_a_frame_is_named_and_placed_and_nothing_known_is_null() {
+async fn what_is_in_a_frame_is_named_and_placed_and_nothing_known_says_why() {
     let app = App::start().await;
     let [crate_id, shelf_id, _] = things(&app, json!({})).await;
+    let version = app.get("/v1/databases/yard/versions/1").await.expect(200);
+    let verdict = &version["report"]["verdict"];
+    assert_eq!(verdict["single_picture_labels"], json!(["crate", "door", "shelf"]), "{version:#}");
+    assert!(verdict["summary"].as_str().unwrap().starts_with("every label has one picture"), "{verdict}");
+    assert!(verdict["remedy"].as_str().unwrap().contains("take a second picture"), "{verdict}");
+
+    let turned = frame(500, &[Laid { first: 20, x_px: 70, y_px: 50, quarters: 1 }]);
+    let answer = app.recognise("yard", "", turned).await;
+    assert_eq!(answer["decision"]["label"], "shelf", "{answer:#}");
+    assert!(number(&answer["evidence"]["log10_false_alarms"]) <= -2.0, "{answer:#}");
+    assert!(number(&answer["evidence"]["agreeing"]) <= number(&answer["evidence"]["asked"]), "{answer:#}");
+    assert_eq!(
+        (&answer["also"], &answer["guess"], &answer["reasons"]),
+        (&json!([]), &Value::Null, &json!([]))
+    );
+    let placement = &answer["votes"][0]["placement"];
+    assert!((number(&placement["rotation_deg"]) - 90.0).abs() < 3.0, "{placement}");
+    assert_eq!(placement["exemplar"], shelf_id);
+    // Top left of the exemplar is seen at the top right, and so on round.
+    let (near, far) = (69.5, 69.5 + THING_PX as f64);
+    let (top, bottom) = (near - 20.0, far - 20.0);
+    let corners = [[far, top], [far, bottom], [near, bottom], [near, top]];
+    for (corner, expected) in placement["outline_px"].as_array().unwrap().iter().zip(corners) {
+        let off = (number(&corner[0]) - expected[0]).hypot(number(&corner[1]) - expected[1]);
+        assert!(off < 5.0, "{corner} is not {expected:?}");
+    }
+    let homography = &placement["homography"];
+    assert_eq!((homography.as_array().unwrap().len(), number(&homography[2][2])), (3, 1.0), "{placement}");
+
+    let things = [
+        Laid { first: 10, x_px: 4, y_px: 6, quarters: 0 },
+        Laid { first: 20, x_px: 110, y_px: 108, quarters: 2 },
+    ];
+    let answer = app.recognise("yard", "", frame(600, &things)).await;
+    let ids = answer["instances"].as_array().unwrap().iter();
+    let mut seen: Vec<&Value> = ids.map(|instance| &instance["placement"]["exemplar"]).collect();
+    seen.sort_unstable_by_key(|id| id.as_str());
+    let mut expected = [json!(crate_id), json!(shelf_id)];
+    expected.sort_unstable_by_key(|id| id.as_str().map(str::to_owned));
+    assert_eq!(seen, expected.iter().collect::<Vec<_>>(), "{answer:#}");
+
+    let strange = app.recognise("yard", "", frame(700, &[])).await;
+    assert_eq!((&strange["decision"], &strange["instances"]), (&Value::Null, &json!([])), "{strange:#}");
+    for member in ["code", "detail", "remedy"] {
+        assert!(strange["reasons"][0][member].is_string(), "{strange:#}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn with_intensity_what_is_in_a_frame_is_named_and_placed_and_nothing_known_is_null() {
+    let app = App::start().await;
+    let [crate_id, shelf_id, _] = things(&app, json!({"signature": "intensity"})).await;
 
     let version = app.get("/v1/databases/yard/versions/1").await.expect(200);
     let reliability = &version["report"]["reliability"];

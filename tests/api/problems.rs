@@ -176,8 +176,12 @@ async fn defaults_are_those_of_the_method_and_the_viewpoint() {
         ["method", "viewpoint", "interest_points", "neighbours", "subwindow_radius_px", "position_prior_px"]
             .map(|option| options[option].clone())
     };
-    let placement = json!(["placement", "free", 96, 6, [10.0, 14.0], null]);
+    let placement = json!(["placement", "free", 600, 30, 14.0, null]);
     assert_eq!(json!(shown("a", json!({})).await), placement);
+    let intensity = json!(["placement", "free", 96, 6, [10.0, 14.0], null]);
+    assert_eq!(json!(shown("i", json!({"signature": "intensity"})).await), intensity);
+    let rings = json!(["placement", "free", 96, 6, [10.0, 14.0], null]);
+    assert_eq!(json!(shown("r", json!({"rings": 10})).await), rings, "gradients have no such option");
     let paper = json!(["paper", "free", 64, 1, 5.0, null]);
     assert_eq!(json!(shown("b", json!({"method": "paper"})).await), paper);
     let upright = json!(["placement", "upright", 150, 30, [12.0, 16.0, 21.0], 25.0]);
@@ -187,6 +191,19 @@ async fn defaults_are_those_of_the_method_and_the_viewpoint() {
     let blobs = json!({"kind": "landmarks", "options": {"operator": "dog"}});
     let problem = app.put("/v1/databases/dog", blobs).await.expect_problem(422, "invalid_field");
     assert_eq!(problem["errors"][0]["pointer"], "/options/operator");
+    for (options, pointer) in [
+        (json!({"working_size_px": 100}), "/options/working_size_px"),
+        (json!({"working_size_px": 5000}), "/options/working_size_px"),
+        (json!({"false_alarms": 0}), "/options/false_alarms"),
+        (json!({"turn_prior_deg": 0}), "/options/turn_prior_deg"),
+        (json!({"levels_per_octave": 9}), "/options/levels_per_octave"),
+        (json!({"method": "paper", "signature": "gradient", "neighbours": 1}), "/options/signature"),
+        (json!({"signature": "gradient", "subwindow_radius_px": [10, 14]}), "/options/subwindow_radius_px"),
+    ] {
+        let body = json!({"kind": "landmarks", "options": options});
+        let problem = app.put("/v1/databases/e", body).await.expect_problem(422, "invalid_field");
+        assert_eq!(problem["errors"][0]["pointer"], pointer);
+    }
     let conflict = json!({"kind": "landmarks", "options": {"method": "paper", "viewpoint": "upright"}});
     let problem = app.put("/v1/databases/d", conflict).await.expect_problem(422, "invalid_field");
     assert_eq!(problem["errors"][0]["pointer"], "/options/viewpoint");
@@ -429,7 +446,7 @@ async fn a_database_is_created_once_and_its_options_can_be_replaced() {
     let app = App::start().await;
     let path = "/v1/databases/lab";
     let first = app.put(path, json!({"kind": "landmarks"})).await.expect(201);
-    assert_eq!(first["options"]["interest_points"], 96);
+    assert_eq!(first["options"]["interest_points"], 600);
     assert_eq!(app.put(path, json!({"kind": "landmarks"})).await.expect(200), first);
     let options = json!({"kind": "landmarks", "options": {"interest_points": 32}});
     assert_eq!(app.put(path, options).await.expect(200)["options"]["interest_points"], 32);

@@ -135,7 +135,7 @@ test("a person trains again with other options, compares both versions, and roll
   await sees(page, "#summary", /version 2 answers/);
   await page.getByRole("link", {name: "Compare with 2: version 1"}).click();
   await page.locator("h1", {hasText: "version 2 and version 1"}).waitFor();
-  assert.ok(await page.locator("svg.chart").count() > 1);
+  assert.ok(await page.locator("svg.chart").count() > 0);
   await tab.go("#/databases/rooms");
   await page.getByRole("button", {name: "Roll back to version 1"}).click();
   await page.locator("#summary", {hasText: "version 1 answers"}).waitFor();

@@ -312,7 +312,7 @@ mod tests {
     use landmarkd_core::imaging::{Frame, Image};
     use landmarkd_core::recognition::landmarks::{
         CalibrationSample, Evidence, ExemplarName, LandmarkOptions, LandmarkParts, Landmarks, Method,
-        Viewpoint, describe,
+        Signature, Viewpoint, describe,
     };
     use proptest::prelude::*;
     use serde_json::{Value, json};
@@ -320,7 +320,8 @@ mod tests {
 
     /// One with all that an artifact can hold.
     fn artifact() -> Artifact {
-        let mut artifact = of(LandmarkOptions::default());
+        let free = LandmarkOptions::with_signature(Method::Placement, Viewpoint::Free, Signature::Intensity);
+        let mut artifact = of(free);
         let sample = |n: usize| {
             let (log_margin, lead, share, log_points) = (n as f64, n as f64, n as f64, n as f64);
             let evidence = Evidence::Vote { log_margin, lead, share, log_points };

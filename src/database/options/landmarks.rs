@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::present_or_null;
 use crate::database::words::words;
 use landmarkd_core::recognition::landmarks::{
-    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Taper, Viewpoint,
+    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Signature, Taper, Viewpoint,
 };
 
 words!(
@@ -40,6 +40,12 @@ words!(
     PerLabelWord, PerLabel, { Best, Sum }
 );
 
+words!(
+    /// What signatures are made of: the directions of the gradient in windows of a scale space (`gradient`), or the
+    /// intensities of windows of one to four radii (`intensity`), as the paper has it.
+    SignatureWord, Signature, { Gradient, Intensity }
+);
+
 /// A radius, or one to four different ones, the smallest first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = RadiiBody)]
@@ -71,8 +77,10 @@ impl From<RadiiDocument> for Vec<f64> {
 
 // The order of the members is their order in kept documents, of which digests are made.
 options_document!(
-    /// Options of a database of kind `landmarks`. Defaults are those of `method` and `viewpoint`: a body that names another
-    /// of these than the database has starts from that pair's defaults, and its other members are put over them.
+    /// Options of a database of kind `landmarks`. Defaults are those of `method`, `viewpoint` and `signature`: a body that
+    /// names another of these than the database has starts from their defaults, and its other members are put over them.
+    /// A body that names `rings`, `sectors`, `normalise`, `position_prior_px` or several radii and no `signature` means
+    /// signatures of intensity.
     LandmarkOptionsDocument as LandmarkOptionsBody, LandmarkOptions, {
         #[schema(required = false)]
         method: MethodWord,
@@ -120,28 +128,75 @@ options_document!(
         #[schema(value_type = Option<f64>, minimum = 1, maximum = 1000)]
         #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
         position_prior_px: Option<f64>,
+        #[schema(required = false)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        signature: SignatureWord,
+        /// Larger pictures are brought to so many pixels on their longer side, in training and asking alike; answers are in
+        /// pixels of the picture as it was posted. Null: pictures are taken as they are.
+        #[schema(value_type = Option<u32>, minimum = 160, maximum = 4096)]
+        #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
+        working_size_px: Option<usize>,
+        /// Gradient: levels of the scale space for each halving of the picture.
+        #[schema(minimum = 1, maximum = 4)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        levels_per_octave: usize,
+        /// Gradient: what is turned by more is left out; null: any turn.
+        #[schema(value_type = Option<f64>, minimum = 1, maximum = 180)]
+        #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
+        turn_prior_deg: Option<f64>,
+        /// Gradient: the part of frames of something unknown that may be answered.
+        #[schema(minimum = 1e-9, maximum = 1)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        false_alarms: f64,
     }
 );
 
 impl LandmarkOptionsDocument {
-    /// The document as it is kept: without `position_prior_px` where that is null, as digests from before it was an
-    /// option have it.
+    /// The document as it is kept: without what is null, and with signatures of intensity without the options of
+    /// gradients, as digests from before they were options have it.
     pub(super) fn kept(options: &LandmarkOptions) -> Self {
-        Self { position_prior_px: options.position_prior_px.map(Some), ..options.clone().into() }
+        let whole = Self {
+            position_prior_px: options.position_prior_px.map(Some),
+            working_size_px: options.working_size_px.map(Some),
+            turn_prior_deg: options.turn_prior_deg.map(Some),
+            ..options.clone().into()
+        };
+        match options.signature {
+            Signature::Gradient => whole,
+            Signature::Intensity => {
+                Self { signature: None, levels_per_octave: None, false_alarms: None, ..whole }
+            }
+        }
     }
 
     /// The options of a kept document. What is absent is the paper's: only documents from when there was no other
-    /// method lack any member but the position prior.
+    /// method lack any member but those that are null, and those of gradients.
     pub(super) fn read_kept(self) -> LandmarkOptions {
         self.over(LandmarkOptions::of(Method::Paper, Viewpoint::Free))
     }
 
-    /// The options `base` changed by this document: one that names another method or viewpoint starts from the
-    /// defaults of that pair.
+    /// Whether it names an option that gradient signatures don't have.
+    fn names_intensity(&self) -> bool {
+        self.rings.is_some()
+            || self.sectors.is_some()
+            || self.normalise.is_some()
+            || self.position_prior_px.flatten().is_some()
+            || matches!(self.subwindow_radii_px, Some(RadiiDocument::Several(_)))
+    }
+
+    /// The options `base` changed by this document: one that names another method, viewpoint or signature starts from
+    /// the defaults of these. Options that only signatures of intensity have imply these.
     pub fn patch(self, base: LandmarkOptions) -> LandmarkOptions {
         let method = self.method.map_or(base.method, Method::from);
         let viewpoint = self.viewpoint.map_or(base.viewpoint, Viewpoint::from);
-        let same = (method, viewpoint) == (base.method, base.viewpoint);
-        self.over(if same { base } else { LandmarkOptions::of(method, viewpoint) })
+        let of_method = if method == base.method {
+            base.signature
+        } else {
+            LandmarkOptions::of(method, viewpoint).signature
+        };
+        let of_options = if self.names_intensity() { Signature::Intensity } else { of_method };
+        let signature = self.signature.map_or(of_options, Signature::from);
+        let same = (method, viewpoint, signature) == (base.method, base.viewpoint, base.signature);
+        self.over(if same { base } else { LandmarkOptions::with_signature(method, viewpoint, signature) })
     }
 }

@@ -239,8 +239,12 @@ pub enum DocumentError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{Colour, Method, Signature, Taper, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
+
+    fn intensity(viewpoint: Viewpoint) -> LandmarkOptions {
+        LandmarkOptions::with_signature(Method::Placement, viewpoint, Signature::Intensity)
+    }
 
     fn read(options: &Options) -> Options {
         Options::from_document(options.kind(), &options.to_document()).unwrap()
@@ -255,10 +259,7 @@ mod tests {
             interest_points: 16,
             ..LandmarkOptions::of(Method::Paper, Viewpoint::Free)
         };
-        let upright = LandmarkOptions {
-            position_prior_px: Some(40.0),
-            ..LandmarkOptions::of(Method::Placement, Viewpoint::Upright)
-        };
+        let upright = LandmarkOptions { position_prior_px: Some(40.0), ..intensity(Viewpoint::Upright) };
         let objects = ObjectOptions {
             width_px: Some(64),
             height_px: Some(48),
@@ -282,8 +283,12 @@ mod tests {
     fn the_documents_of_the_defaults_never_change() {
         // Digests of versions are made from this text.
         assert_eq!(
-            Options::default_of(Kind::Landmarks).to_document(),
+            Options::Landmarks(intensity(Viewpoint::Free)).to_document(),
             r#"{"method":"placement","viewpoint":"free","operator":"symmetry","symmetry_radius_px":6,"interest_points":96,"query_points":1000,"subwindow_radius_px":[10.0,14.0],"rings":8,"sectors":32,"taper":"radial","normalise":"contrast","colour":"auto","dimension":20,"neighbours":6,"epsilon":0.001,"per_label":"best"}"#
+        );
+        assert_eq!(
+            Options::default_of(Kind::Landmarks).to_document(),
+            r#"{"method":"placement","viewpoint":"free","operator":"symmetry","symmetry_radius_px":6,"interest_points":600,"query_points":1000,"subwindow_radius_px":14.0,"rings":6,"sectors":32,"taper":"radial","normalise":"contrast","colour":"auto","dimension":48,"neighbours":30,"epsilon":0.001,"per_label":"best","signature":"gradient","working_size_px":640,"levels_per_octave":2,"false_alarms":0.01}"#
         );
         assert_eq!(
             Options::Landmarks(LandmarkOptions::of(Method::Paper, Viewpoint::Free)).to_document(),

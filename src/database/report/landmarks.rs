@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::TrainingTimings;
+use super::{TrainingTimings, VerdictReport};
 use landmarkd_core::recognition::landmarks::{Colour, Reliability, ReliabilityBin, TrainingReport};
 
 /// What the training of a landmark database told of itself.
@@ -38,6 +38,11 @@ pub struct LandmarkReport {
     #[schema(value_type = Option<TrainingTimings>)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<Option<TrainingTimings>>,
+    /// How well the version knows its own pictures; null for versions of earlier releases, with signatures of intensity, and
+    /// where the training didn't ask.
+    #[schema(value_type = Option<VerdictReport>)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Option<VerdictReport>>,
 }
 
 /// What the version answered when its exemplars were shown turned, moved, on other ground and partly hidden: as they
@@ -78,6 +83,7 @@ impl LandmarkReport {
     /// Makes every member present, as answers have them.
     pub(super) fn complete(&mut self) {
         self.reliability.get_or_insert_default();
+        self.verdict.get_or_insert_default();
         self.warnings.get_or_insert_default();
     }
 }
@@ -120,6 +126,7 @@ impl From<&TrainingReport> for LandmarkReport {
             reliability: None,
             warnings: None,
             timings_ms: None,
+            verdict: None,
         }
     }
 }

@@ -6,12 +6,14 @@
 
 mod landmarks;
 mod objects;
+mod verdict;
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 pub use landmarks::{LandmarkReport, ReliabilityReport};
 pub use objects::ObjectsReport;
+pub use verdict::VerdictReport;
 
 use super::Kind;
 
@@ -99,20 +101,20 @@ mod tests {
         let timings = TrainingTimings { describe: 1.0, eigenspace: 2.5, rehearsal: None };
         let kept_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5}"#;
         let all_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5,"rehearsal":null}"#;
-        for (kind, text, empty) in [
-            (Kind::Landmarks, LANDMARKS, r#","reliability":null,"warnings":[]"#),
-            (Kind::Objects, OBJECTS, r#","touches_border":[],"several_regions":[]"#),
+        for (kind, text, empty, last) in [
+            (Kind::Landmarks, LANDMARKS, r#","reliability":null,"warnings":[]"#, r#","verdict":null"#),
+            (Kind::Objects, OBJECTS, r#","touches_border":[],"several_regions":[]"#, ""),
         ] {
             let report = Report::from_document(kind, text).unwrap();
             assert_eq!(report.to_document(), text);
             let answer = serde_json::to_string(&report.clone().complete()).unwrap();
-            assert_eq!(answer, with(&with(text, empty), r#","timings_ms":null"#));
+            assert_eq!(answer, with(&with(&with(text, empty), r#","timings_ms":null"#), last));
             let timed = report.timed(timings);
             let kept = with(text, kept_timings);
             assert_eq!(timed.to_document(), kept);
             assert_eq!(Report::from_document(kind, &kept).unwrap(), timed);
             let answer = serde_json::to_string(&timed.complete()).unwrap();
-            assert_eq!(answer, with(&with(text, empty), all_timings));
+            assert_eq!(answer, with(&with(&with(text, empty), all_timings), last));
         }
     }
 

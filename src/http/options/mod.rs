@@ -66,7 +66,7 @@ fn field_errors(at: &str, faults: Vec<OptionFault>) -> impl Iterator<Item = Fiel
 mod tests {
     use super::*;
     use crate::http::problem::Code;
-    use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{LandmarkOptions, Method, Signature, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, ObjectOptions};
     use serde_json::json;
 
@@ -110,7 +110,8 @@ mod tests {
         assert_eq!(same, paper, "what is named anew and is no other keeps the rest");
         let back = json!({"method": "placement", "viewpoint": "upright", "position_prior_px": 30});
         let upright = landmarks(paper, back).unwrap();
-        let defaults = LandmarkOptions::of(Method::Placement, Viewpoint::Upright);
+        let intensity = Signature::Intensity;
+        let defaults = LandmarkOptions::with_signature(Method::Placement, Viewpoint::Upright, intensity);
         assert_eq!(upright, LandmarkOptions { position_prior_px: Some(30.0), ..defaults.clone() });
         let anywhere = json!({"position_prior_px": null});
         assert_eq!(landmarks(upright, anywhere).unwrap(), defaults);

@@ -8,7 +8,7 @@ use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted};
 use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::recognition::landmarks::{
-    Instance, Landmarks, PointVote, Stage, VerifiedPlacement, annotate,
+    AContrario, Instance, Landmarks, PointVote, Stage, VerifiedPlacement, annotate,
 };
 
 /// What speaks for the answer of a landmark database.
@@ -19,6 +19,16 @@ pub struct LandmarkEvidence {
     /// Everything known that is in the frame for sure enough, surest first: several things, or one several times. Empty
     /// where answers have no confidence, or no placement.
     pub instances: Vec<InstanceBody>,
+    /// The evidence for the best vote; null where its exemplar isn't laid on the frame, and with signatures of intensity.
+    pub evidence: Option<AContrarioBody>,
+    /// Other labels that chance doesn't explain: they look alike or overlap, or are in the frame too. Best first.
+    #[schema(required = false)]
+    pub also: Vec<AlsoBody>,
+    /// The best guess where the decision is null.
+    pub guess: Option<GuessBody>,
+    /// Why the decision is null, the likeliest first.
+    #[schema(required = false)]
+    pub reasons: Vec<ReasonBody>,
     /// Interest points that were asked: no more than it takes.
     pub points_used: u64,
     /// Interest points in the frame.
@@ -26,6 +36,51 @@ pub struct LandmarkEvidence {
     /// With `explain`: every point's vote, most salient first. For each label the weights sum to its W.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Vec<PointBody>>,
+}
+
+/// How unlikely chance explains an agreement.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub struct AContrarioBody {
+    /// log₁₀ of how many such agreements chance makes in a frame of something else: -2 is one in a hundred frames.
+    pub log10_false_alarms: f64,
+    /// Windows of the frame that agree, those of one spot once.
+    pub agreeing: u64,
+    /// Windows of the frame that were matched with the exemplar.
+    pub asked: u64,
+}
+
+/// Another label that chance doesn't explain.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct AlsoBody {
+    pub label: String,
+    pub evidence: AContrarioBody,
+}
+
+/// What the frame most likely shows, though not for sure enough.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct GuessBody {
+    pub label: String,
+    /// Id of the exemplar that agrees most; null where none is laid on the frame.
+    pub exemplar: Option<String>,
+    pub evidence: Option<AContrarioBody>,
+}
+
+/// Why a decision is null.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ReasonBody {
+    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `unlike_anything`.
+    pub code: &'static str,
+    /// What was seen.
+    pub detail: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl From<&AContrario> for AContrarioBody {
+    fn from(evidence: &AContrario) -> Self {
+        let AContrario { log10_false_alarms, agreeing, asked } = *evidence;
+        Self { log10_false_alarms, agreeing: agreeing as u64, asked: asked as u64 }
+    }
 }
 
 /// The votes for a label.
@@ -40,6 +95,8 @@ pub struct VoteBody {
     pub points: u64,
     /// Where its exemplar lies; null where matches don't say so, as with the paper's method and upright viewpoints.
     pub placement: Option<PlacementBody>,
+    /// The evidence for it; null as the placement is, and with signatures of intensity.
+    pub evidence: Option<AContrarioBody>,
 }
 
 /// An exemplar laid on the frame.
@@ -60,6 +117,9 @@ pub struct PlacementBody {
     pub outline_px: [[f32; 2]; 4],
     /// Id of the exemplar.
     pub exemplar: String,
+    /// From pixels of the exemplar's picture to pixels of the frame, row by row, in homogeneous coordinates; null with
+    /// signatures of intensity. `x_px`, `y_px`, `rotation_deg` and `scale` are those of the picture's middle.
+    pub homography: Option<[[f64; 3]; 3]>,
 }
 
 /// Something known that is in the frame.
@@ -84,8 +144,9 @@ impl PlacementBody {
             scale: placement.scale,
             inliers: verified.inliers as u64,
             agreement: verified.agreement,
-            outline_px: placement.outline_px(exemplar.width_px, exemplar.height_px),
+            outline_px: verified.outline_px(exemplar.width_px, exemplar.height_px),
             exemplar: exemplar.id.clone(),
+            homography: verified.homography.map(|homography| homography.0),
         }
     }
 }
@@ -156,6 +217,7 @@ pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &m
         share: vote.share,
         points: vote.points as u64,
         placement: vote.placement.as_ref().map(|verified| PlacementBody::of(verified, model)),
+        evidence: vote.a_contrario.as_ref().map(AContrarioBody::from),
     });
     let instance = |instance: &Instance| InstanceBody {
         label: instance.label.clone(),
@@ -163,6 +225,21 @@ pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &m
         placement: PlacementBody::of(&instance.verified, model),
     };
     let decision = recognition.decision.as_ref();
+    let best = recognition.votes.first().filter(|_| decision.is_none());
+    let guess = best.map(|vote| GuessBody {
+        label: vote.label.clone(),
+        exemplar: vote.placement.as_ref().map(|placed| model.exemplars()[placed.exemplar].id.clone()),
+        evidence: vote.a_contrario.as_ref().map(AContrarioBody::from),
+    });
+    let also = recognition.also.iter().map(|also| AlsoBody {
+        label: also.label.clone(),
+        evidence: AContrarioBody::from(&also.a_contrario),
+    });
+    let reasons = recognition.reasons.iter().map(|reason| ReasonBody {
+        code: reason.code(),
+        detail: reason.detail(),
+        remedy: reason.remedy(),
+    });
     Answer {
         decision: decision
             .map(|decision| DecisionBody { label: decision.label.clone(), confidence: decision.confidence }),
@@ -170,6 +247,10 @@ pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &m
         evidence: EvidenceBody::Landmarks(LandmarkEvidence {
             votes: votes.collect(),
             instances: recognition.instances.iter().map(instance).collect(),
+            evidence: recognition.a_contrario.as_ref().map(AContrarioBody::from),
+            also: also.collect(),
+            guess,
+            reasons: reasons.collect(),
             points_used: recognition.points_used as u64,
             points_found: recognition.points_found as u64,
             points: wanted.explain.then(|| recognition.points.iter().map(point).collect()),

@@ -246,10 +246,18 @@ pub(super) async fn recognise<T: Send + 'static>(
     add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
 ) -> Result<(Recognised, T), Problem> {
     let (version, limits) = (Arc::clone(version), service.decode);
-    let memory = picture.working_bytes;
+    // a drawing shows the picture as it was posted
+    let side_px = match &version.model {
+        Model::Landmarks(model) if wanted.drawing.is_none() => model.options().working_size_px,
+        Model::Landmarks(_) | Model::Objects(_) => None,
+    };
+    let memory = side_px.map_or(picture.working_bytes, |side_px| picture.header.reduced_bytes(side_px));
     let work = move || {
         let mut clock = StageClock::begin();
-        let frame = imaging::decode(&picture.bytes, &limits)?;
+        let frame = match side_px {
+            Some(side_px) => imaging::decode_reduced(&picture.bytes, &limits, side_px)?,
+            None => imaging::decode(&picture.bytes, &limits)?,
+        };
         clock.end("decode");
         let answer = match &version.model {
             Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, &mut clock),

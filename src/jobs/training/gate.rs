@@ -13,14 +13,17 @@ use crate::jobs::worker::Worker;
 use crate::telemetry::chain;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::recognition::Comparison;
-use landmarkd_core::recognition::landmarks::{CalibrationPlan, correct_decisions, synthetic_views};
+use landmarkd_core::recognition::landmarks::{
+    CalibrationPlan, Signature, correct_decisions, names_rightly, synthetic_views,
+};
 use landmarkd_core::recognition::objects::{ViewName, ViewSample, recognises_view, synthetic_view};
 
-/// A comparison of landmarks takes so many times the rounds of a calibration: small differences want many trials.
+/// A comparison of landmarks by intensity takes so many times the rounds of a calibration: small differences want many trials.
 const ROUNDS_FACTOR: u64 = 2;
 
 /// A trained version and the one that `current` pointed to, shown the same: exemplars of the new one, seen otherwise.
-/// Landmarks are also shown with their label left out of either version, when the right answer is null.
+/// Of landmarks with gradient signatures what both know is shown; others are also shown with their label left out of
+/// either version, when the right answer is null.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = ComparisonBody)]
 pub struct VersionComparison {
@@ -82,7 +85,8 @@ pub(super) async fn compare(
         Model::Landmarks(model) => {
             let CalibrationPlan { exemplars, rounds } = CalibrationPlan::of(model);
             let ids = exemplars.into_iter().map(|index| model.exemplars()[index].id.as_str());
-            (ids.collect(), rounds, ROUNDS_FACTOR * rounds)
+            let factor = if model.options().signature == Signature::Gradient { 1 } else { ROUNDS_FACTOR };
+            (ids.collect(), rounds, factor * rounds)
         }
         Model::Objects(model) => {
             let ViewSample { views, rounds } = ViewSample::of(model);
@@ -91,11 +95,15 @@ pub(super) async fn compare(
         }
     };
     let (rows, count) = rounds_of(&ids, shown, exemplars);
+    let longer_side_px = match &candidate.model {
+        Model::Landmarks(model) => model.options().working_size_px,
+        Model::Objects(_) => None,
+    };
     // not the rounds that a calibration was made of
     let judge = move |place: usize, row: &ExemplarRow, frame: &Frame| {
         Ok(judged(&candidate.model, &current.model, row, frame, rounds + (place / count) as u64))
     };
-    let (judged, _) = worker.each("comparing", rows, judge).await?;
+    let (judged, _) = worker.each("comparing", rows, longer_side_px, judge).await?;
     let (by_candidate, by_current): (Vec<Vec<bool>>, Vec<Vec<bool>>) = judged.into_iter().unzip();
     let comparison = Comparison::of(&by_candidate.concat(), &by_current.concat());
     let compared = VersionComparison::of(Some(against_version), &comparison);
@@ -131,6 +139,18 @@ fn judged(
     round: u64,
 ) -> (Vec<bool>, Vec<bool>) {
     match (candidate, current) {
+        (Model::Landmarks(candidate), Model::Landmarks(current))
+            if candidate.options().signature == Signature::Gradient =>
+        {
+            let name = landmarks::name(row);
+            // what both know is compared; a label that is new to one is judged on its own
+            if !current.labels().contains(&name.label.as_str()) {
+                return (Vec::new(), Vec::new());
+            }
+            let working = candidate.options().working_frame(frame);
+            let views = synthetic_views(&name, &working, round, candidate.options());
+            (names_rightly(candidate, &name, &views), names_rightly(current, &name, &views))
+        }
         (Model::Landmarks(candidate), Model::Landmarks(current)) => {
             let name = landmarks::name(row);
             let views = synthetic_views(&name, frame, round, candidate.options());

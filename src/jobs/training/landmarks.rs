@@ -3,17 +3,17 @@
 
 use std::sync::Arc;
 
-use super::{Trained, rounds_of};
+use super::{SelfCheck, Trained, rounds_of};
 use crate::database::{
-    Counts, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report, TrainingTimings,
+    Counts, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report, TrainingTimings, VerdictReport,
 };
 use crate::jobs::stop::Stop;
 use crate::jobs::worker::Worker;
 use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::landmarks::{
-    CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, Reliability,
-    calibration_samples, describe, synthetic_views,
+    CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, LeftOut, Reliability,
+    Signature, calibration_samples, describe, exemplars_to_leave_out, left_out, synthetic_views,
 };
 
 /// The warning of a version without confidence: its samples allow no calibration.
@@ -24,12 +24,17 @@ pub(super) async fn train(
     worker: &Worker<'_>,
     exemplars: Vec<ExemplarRow>,
     options: LandmarkOptions,
+    calibration: SelfCheck,
 ) -> Result<(Trained, TrainingTimings), Stop> {
     let options = Arc::new(options);
     let with = Arc::clone(&options);
-    let described = worker
-        .each("describing", exemplars.clone(), move |_, row, frame| Ok(describe(name(row), frame, &with)));
-    let (described, describe_ms) = described.await?;
+    let describe = move |_: usize, row: &ExemplarRow, frame: &_| {
+        let mut described = describe(name(row), frame, &with);
+        (described.exemplar.width_px, described.exemplar.height_px) = (row.width_px, row.height_px);
+        Ok(described)
+    };
+    let (described, describe_ms) =
+        worker.each("describing", exemplars.clone(), options.working_size_px, describe).await?;
     let fit = move || {
         Landmarks::train(described, &options).map_err(|error| Stop::failed(Code::TooFewPoints, chain(&error)))
     };
@@ -40,20 +45,49 @@ pub(super) async fn train(
         interest_points: report.interest_points as u64,
     };
     let mut report = LandmarkReport::from(&report);
-    let (model, reliability, rehearsal_ms) = calibrate(worker, &exemplars, model).await?;
-    match (reliability, model.confidence()) {
-        (Some(reliability), Some(confidence)) => {
-            report.reliability = Some(Some(ReliabilityReport::of(&reliability, confidence.threshold)));
+    let mut rehearsal = None;
+    let model = match (calibration, model.options().signature) {
+        (SelfCheck::None, _) => model,
+        (SelfCheck::Wait, Signature::Gradient) => {
+            let (model, left_out, took_ms) = leave_one_out(worker, &exemplars, model).await?;
+            report.verdict = Some(Some(VerdictReport::of(&left_out)));
+            rehearsal = Some(took_ms);
+            model
         }
-        _ => report.warnings = Some(vec![NOT_CALIBRATED.into()]),
-    }
-    let timings = TrainingTimings {
-        describe: describe_ms,
-        eigenspace: eigenspace_ms,
-        rehearsal: Some(Some(rehearsal_ms)),
+        (SelfCheck::Wait, Signature::Intensity) => {
+            let (model, reliability, took_ms) = calibrate(worker, &exemplars, model).await?;
+            if let (Some(reliability), Some(confidence)) = (reliability, model.confidence()) {
+                report.reliability = Some(Some(ReliabilityReport::of(&reliability, confidence.threshold)));
+            }
+            rehearsal = Some(took_ms);
+            model
+        }
     };
+    if model.confidence().is_none() {
+        report.warnings = Some(vec![NOT_CALIBRATED.into()]);
+    }
+    let timings =
+        TrainingTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: Some(rehearsal) };
     let (model, report) = (Model::Landmarks(Box::new(model)), Report::Landmarks(Box::new(report)));
     Ok((Trained { model, report, counts }, timings))
+}
+
+/// The model, what it says of each picture of its exemplars with that left out, and the milliseconds that this took.
+async fn leave_one_out(
+    worker: &Worker<'_>,
+    exemplars: &[ExemplarRow],
+    model: Landmarks,
+) -> Result<(Landmarks, Vec<LeftOut>, f64), Stop> {
+    let asked = Arc::new(model);
+    let chosen = exemplars_to_leave_out(&asked);
+    let ids: Vec<&str> = chosen.iter().map(|&index| asked.exemplars()[index].id.as_str()).collect();
+    let (rows, _) = rounds_of(&ids, 1, exemplars);
+    let (with, longer_side_px) = (Arc::clone(&asked), asked.options().working_size_px);
+    let ask = move |_: usize, row: &ExemplarRow, frame: &_| Ok(left_out(&with, &row.id.to_string(), frame));
+    let (left_out, took_ms) = worker.each("calibrating", rows, longer_side_px, ask).await?;
+    let model = Arc::into_inner(asked)
+        .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after it was asked"))?;
+    Ok((model, left_out.into_iter().flatten().collect(), took_ms))
 }
 
 /// The model with its confidence calibrated on synthetic views of the exemplars, how reliable it is, and the milliseconds
@@ -73,7 +107,7 @@ async fn calibrate(
         let round = (place / count) as u64;
         Ok(calibration_samples(&with, &name, &synthetic_views(&name, frame, round, with.options())))
     };
-    let (samples, rehearsal_ms) = worker.each("rehearsing", rows, samples).await?;
+    let (samples, rehearsal_ms) = worker.each("rehearsing", rows, None, samples).await?;
     let samples: Vec<CalibrationSample> = samples.into_iter().flatten().collect();
     let mut model = Arc::into_inner(asked)
         .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after its calibration"))?;

@@ -47,6 +47,19 @@ pub enum Promote {
     Never,
 }
 
+/// Whether a version is asked about its own pictures before it is published.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = CalibrationWord)]
+pub enum SelfCheck {
+    /// It is: the report has a verdict, or with signatures of intensity the reliability of confidences.
+    #[default]
+    Wait,
+    /// It isn't: the version is published as soon as its eigenspace stands. With signatures of intensity its answers have
+    /// no confidence.
+    None,
+}
+
 /// The parameters of a training, fixed when it is queued and kept with the job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingParams {
@@ -54,17 +67,23 @@ pub struct TrainingParams {
     pub options: Options,
     /// Whether `current` moves to the version.
     pub promote: Promote,
+    /// Whether the version is asked about its own pictures first.
+    pub calibration: SelfCheck,
 }
 
 #[derive(Serialize, Deserialize)]
 struct ParamsDocument {
     options: String,
     promote: Promote,
+    #[serde(default)]
+    calibration: SelfCheck,
 }
 
 impl TrainingParams {
     pub(super) fn to_document(&self) -> String {
-        let document = ParamsDocument { options: self.options.to_document(), promote: self.promote };
+        let Self { options, promote, calibration } = self;
+        let (promote, calibration) = (*promote, *calibration);
+        let document = ParamsDocument { options: options.to_document(), promote, calibration };
         serde_json::to_string(&document).expect("text and words always serialise")
     }
 
@@ -74,7 +93,7 @@ impl TrainingParams {
             serde_json::from_str(text).map_err(|error| Stop::failed(Code::Internal, error.to_string()))?;
         let options = Options::from_document(kind, &document.options)
             .map_err(|error| Stop::failed(Code::Internal, chain(&error)))?;
-        Ok(Self { options, promote: document.promote })
+        Ok(Self { options, promote: document.promote, calibration: document.calibration })
     }
 }
 
@@ -145,7 +164,9 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
 async fn train(worker: &Worker<'_>, inputs: &Inputs) -> Result<(Artifact, Bytes), Stop> {
     let rows = inputs.exemplars.clone();
     let (trained, timings) = match inputs.params.options.clone() {
-        Options::Landmarks(options) => landmarks::train(worker, rows, options).await?,
+        Options::Landmarks(options) => {
+            landmarks::train(worker, rows, options, inputs.params.calibration).await?
+        }
         Options::Objects(options) => objects::train(worker, rows, options).await?,
     };
     let (started, digest) = (Instant::now(), inputs.digest.clone());

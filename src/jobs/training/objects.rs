@@ -145,7 +145,7 @@ pub(super) async fn train(
     let commonest_px = common_size(exemplars.iter().map(size_px)).ok_or(UnfitExemplars::TooFew)?;
     let normaliser = Normaliser::new(&options, commonest_px);
     let with = normaliser.clone();
-    let described = worker.each("describing", exemplars, move |_, row, frame| {
+    let described = worker.each("describing", exemplars, None, move |_, row, frame| {
         let appearance = with.appearance(frame).map_err(|error| {
             let text = format!("exemplar {}: {error}; delete it, or train with resize fit", row.id);
             Stop::failed(Code::ImageSizeMismatch, text)
