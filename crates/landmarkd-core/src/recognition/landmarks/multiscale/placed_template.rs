@@ -1,7 +1,8 @@
 //! The edge template of an exemplar where a homography lays it: does the frame have the same gradient directions there?
 //!
 //! It is told beside the evidence and doesn't decide. Measured as a witness with a number of false alarms of its own (against
-//! the agreement beside the place) it added one named frame of 120 half hidden ones, and named two strange frames.
+//! the agreement beside the place) it named two more of 120 half hidden objects, and one strange frame of 36 beside paintings,
+//! one building of 40 and two frames of a corridor wrongly.
 
 use crate::recognition::landmarks::edge_template::{EdgePoint, GradientDirections};
 use crate::recognition::landmarks::homography::Homography;
