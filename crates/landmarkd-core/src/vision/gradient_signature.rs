@@ -62,6 +62,35 @@ pub struct GradientSignature {
     turn_sin: Vec<[f32; FREQUENCIES]>,
 }
 
+/// The signature of the same sub-window in a picture that is flipped from left to right: gradients at the angle φ from the
+/// radius are at −φ. The components after those of the gradient, amplitudes along θ as well, stay.
+///
+/// # Panics
+/// If the signature is shorter than [`SIGNATURE_LENGTH`].
+pub fn mirrored_signature(signature: &mut [f32]) {
+    swap_directions(&mut signature[..SIGNATURE_LENGTH], FREQUENCIES);
+}
+
+/// The spectrum of the same sub-window in a picture that is flipped from left to right: what was at θ is at π − θ.
+pub fn mirrored_spectrum(spectrum: &mut [f32]) {
+    swap_directions(spectrum, CHANNEL);
+    for channel in spectrum.chunks_exact_mut(CHANNEL) {
+        let (re, im) = channel.split_at_mut(FREQUENCIES);
+        // conjugate of each frequency, turned by half a circle
+        re.iter_mut().skip(1).step_by(2).for_each(|odd| *odd = -*odd);
+        im.iter_mut().step_by(2).for_each(|even| *even = -*even);
+    }
+}
+
+fn swap_directions(numbers: &mut [f32], channel: usize) {
+    for ring in numbers.chunks_exact_mut(DIRECTIONS * channel) {
+        for direction in 1..DIRECTIONS / 2 {
+            let (low, high) = ring.split_at_mut((DIRECTIONS - direction) * channel);
+            low[direction * channel..][..channel].swap_with_slice(&mut high[..channel]);
+        }
+    }
+}
+
 /// Where a sample is taken, and how the four pixels about it count.
 #[derive(Clone, Copy, Debug)]
 struct Tap {
@@ -490,6 +519,7 @@ impl WithSimd for Correlate<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::gradient::gradient;
+    use super::super::smoothed;
     use super::*;
     use crate::imaging::Image;
 
@@ -613,5 +643,26 @@ mod tests {
             (spectra, amplitudes)
         };
         assert_eq!(run(Arch::Scalar), run(Arch::new()));
+    }
+
+    #[test]
+    fn a_flipped_picture_has_the_mirrored_signature_and_spectrum() {
+        let picture = |flipped: bool| {
+            Image::from_fn(81, 61, |x, y| {
+                let x = if flipped { 80 - x } else { x };
+                ((x * x / 7 + 3 * y + x * y / 5) % 97) as f32
+            })
+        };
+        let plan = GradientSignature::new(14.0);
+        let described = |image: &Image, x: usize| {
+            plan.describe(&PaddedGradient::new(&smoothed(image, 1.0), plan.reach_px()), &[[x, 33]])
+        };
+        let (mut here, there) = (described(&picture(false), 30), described(&picture(true), 50));
+        let unlike = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(unlike(&here.signatures, &there.signatures) > 0.05);
+        mirrored_signature(&mut here.signatures);
+        mirrored_spectrum(&mut here.spectra);
+        assert!(unlike(&here.signatures, &there.signatures) < 1e-3);
+        assert!(unlike(&here.spectra, &there.spectra) < 1e-3);
     }
 }

@@ -110,7 +110,7 @@ pub(super) struct SmoothedPlanes<'a> {
 }
 
 /// Windows of a frame, and what describes them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct WindowBatch {
     pub windows: Vec<Window>,
     /// One row a window.

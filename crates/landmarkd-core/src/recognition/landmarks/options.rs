@@ -189,6 +189,10 @@ impl LandmarkOptions {
                 dimension: 48,
                 neighbours: 30,
                 working_size_px: Some(WORKING_SIZE_PX),
+                operator: match viewpoint {
+                    Viewpoint::Free => Operator::Symmetry,
+                    Viewpoint::Upright => Operator::Harris,
+                },
                 turn_prior_deg: (viewpoint == Viewpoint::Upright).then_some(UPRIGHT_TURN_DEG),
                 ..paper
             },

@@ -41,6 +41,11 @@ pub enum Reason {
         /// The labels, likeliest first.
         labels: Vec<String>,
     },
+    /// The frame, mirrored back, agrees far better.
+    Mirrored {
+        /// The label that it agrees with.
+        label: String,
+    },
     /// Nothing in the frame agrees with anything known.
     UnlikeAnything,
 }
@@ -54,6 +59,7 @@ impl Reason {
             Reason::LittleToSee { .. } => "little_to_see",
             Reason::WeakEvidence { .. } => "weak_evidence",
             Reason::Ambiguous { .. } => "ambiguous",
+            Reason::Mirrored { .. } => "mirrored",
             Reason::UnlikeAnything => "unlike_anything",
         }
     }
@@ -73,6 +79,11 @@ impl Reason {
             }
             Reason::Ambiguous { labels } => {
                 format!("chance explains none of {}, and nothing tells which it is", labels.join(", "))
+            }
+            Reason::Mirrored { label } => {
+                format!(
+                    "flipped from left to right the picture agrees with {label:?} far better: it is mirrored"
+                )
             }
             Reason::UnlikeAnything => "nothing in the picture agrees with anything known".to_owned(),
         }
@@ -95,6 +106,10 @@ impl Reason {
             Reason::Ambiguous { .. } => {
                 "teach this view under its label; merge the labels if they show the same".to_owned()
             }
+            Reason::Mirrored { .. } => {
+                "switch the camera's mirroring off (front cameras often have it), or teach the mirrored view"
+                    .to_owned()
+            }
             Reason::UnlikeAnything => "if this should be known, teach this picture".to_owned(),
         }
     }
@@ -106,6 +121,7 @@ pub(super) fn reasons(
     working: &Frame,
     windows: usize,
     votes: &[LabelVote],
+    mirrored: bool,
 ) -> Vec<Reason> {
     let mut reasons = Vec::new();
     let mean = working.luminance.mean();
@@ -123,6 +139,7 @@ pub(super) fn reasons(
         votes.iter().filter(|vote| vote.a_contrario.is_some_and(|found| -found.log10_false_alarms >= least));
     let labels: Vec<String> = evident.map(|vote| vote.label.clone()).take(MOST_LABELS).collect();
     reasons.push(match (votes.first(), votes.first().and_then(|vote| vote.a_contrario)) {
+        (Some(vote), _) if mirrored => Reason::Mirrored { label: vote.label.clone() },
         _ if !labels.is_empty() => Reason::Ambiguous { labels },
         (Some(vote), Some(a_contrario)) if a_contrario.log10_false_alarms < WEAK => Reason::WeakEvidence {
             label: vote.label.clone(),

@@ -114,9 +114,17 @@ pub(super) fn nearest(
     }
 }
 
+/// The nearest eigenpoints of every window, without those of one exemplar if so asked: rows of equal length, nearest first.
+pub(super) fn nearest_but(model: &Landmarks, batch: &WindowBatch, held_out: Option<usize>) -> Vec<Neighbour> {
+    match held_out {
+        None => nearest(model, batch, None),
+        Some(exemplar) => nearest_without(model, batch, exemplar),
+    }
+}
+
 /// The nearest eigenpoints of every window without those of one exemplar, rows of equal length, nearest first. Where
 /// the exemplar takes most of what is near, the farthest of the others stands for those that are missing.
-pub(super) fn nearest_without(model: &Landmarks, batch: &WindowBatch, exemplar: usize) -> Vec<Neighbour> {
+fn nearest_without(model: &Landmarks, batch: &WindowBatch, exemplar: usize) -> Vec<Neighbour> {
     let count = neighbours_per_window(model);
     let wanted = (MORE_NEIGHBOURS * count).min(model.index.count());
     let found = model.index.nearest_several(&model.eigenspace.project(&batch.signatures), wanted);

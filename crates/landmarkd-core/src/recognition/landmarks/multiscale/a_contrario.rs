@@ -46,7 +46,7 @@ pub(super) struct Group {
 
 impl Background {
     /// Of all the matches of a frame, against so many exemplars.
-    pub fn of(matches: &[Match], width_px: usize, height_px: usize, exemplars: usize) -> Background {
+    pub fn of(matches: &[Match], [width_px, height_px]: [usize; 2], exemplars: usize) -> Background {
         let stride = (matches.len() / 4000).max(1);
         let mut similar: Vec<_> =
             matches.iter().step_by(stride).map(|m| (m.turn_rad, m.scale.ln())).collect();
@@ -188,7 +188,7 @@ mod tests {
         let map = Homography::similarity([320.0, 240.0], 0.3, 1.2);
         let judged = |matches: &[Match]| {
             let order: Vec<usize> = (0..matches.len()).collect();
-            Background::of(matches, 640, 480, 10).group(matches, &order, &map, 2, 40.0, 4)
+            Background::of(matches, [640, 480], 10).group(matches, &order, &map, 2, 40.0, 4)
         };
         let mut matches = accidents(1, 300, 7);
         assert!(judged(&matches).is_none_or(|group| group.evidence < 1.0));

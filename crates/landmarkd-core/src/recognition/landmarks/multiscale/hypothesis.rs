@@ -4,6 +4,7 @@ use super::a_contrario::{Background, Group, Residual};
 use super::consensus::{self, Mode, turn_between};
 use super::matching::Match;
 use crate::recognition::landmarks::homography::{Homography, LEAST_POINTS};
+use crate::recognition::landmarks::options::Viewpoint;
 
 /// What is known of an exemplar.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +16,7 @@ pub(super) struct Exemplar {
 /// What is known of a frame.
 #[derive(Clone, Copy)]
 pub(super) struct Frame<'a> {
-    pub width_px: usize,
-    pub height_px: usize,
+    pub size_px: [usize; 2],
     /// Sorted by exemplar.
     pub matches: &'a [Match],
 }
@@ -36,10 +36,10 @@ pub(super) struct HypothesisOptions {
     pub tolerance: f64,
     /// Rounds of the search for a plane.
     pub rounds: usize,
-    /// Those are compared by their support and votes whose evidence is positive and at least this part of the best one's.
-    pub least_part: f64,
     /// Evidence from which on it is no accident.
     pub least_evidence: f64,
+    /// What is likelier is told otherwise of places than of things.
+    pub viewpoint: Viewpoint,
 }
 
 impl Default for HypothesisOptions {
@@ -51,8 +51,8 @@ impl Default for HypothesisOptions {
             explained: 16,
             tolerance: 0.0125,
             rounds: 300,
-            least_part: 0.05,
             least_evidence: 2.0,
+            viewpoint: Viewpoint::Free,
         }
     }
 }
@@ -66,10 +66,9 @@ const WIDER: f64 = 4.0;
 /// A match supports a placement if it agrees to within this part of the placed exemplar's diagonal, and in turn and scale.
 const SUPPORT_PLACE: f64 = 0.1;
 const SUPPORT_SIMILAR: f32 = 0.5;
-/// The likeliest label is not decided where another has evidence so many times as large, or its votes are less than this
-/// part of the votes of another that is about as evident: then evidence and votes contradict each other.
-const CONTRADICTING_EVIDENCE: f64 = 4.0;
-const LEAST_VOTES: f64 = 0.85;
+/// Fewer witnesses than this are asked for more evidence: what few windows say, dependence can fake.
+const FEW_WITNESSES: usize = 5;
+const MORE_EVIDENCE: f64 = 2.0;
 
 /// A placement of an exemplar, and what speaks for it.
 #[derive(Clone, Debug)]
@@ -92,179 +91,21 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// How much the frame resembles the exemplar, there and on the whole.
-    fn likeliness(&self) -> f64 {
-        self.support * self.votes
+    /// Whether the agreement is no accident.
+    pub fn is_evident(&self, least_evidence: f64) -> bool {
+        let few = self.witnesses.len() < FEW_WITNESSES;
+        self.evidence >= least_evidence * if few { MORE_EVIDENCE } else { 1.0 }
     }
 }
 
-/// The hypotheses of a frame, of each exemplar the best; the likeliest first. `votes`: of the exemplars.
-///
-/// Evidence tells whether a thing is there; support and votes tell which of several that are there (places that overlap,
-/// varieties) the frame resembles most.
+/// The hypotheses of a frame, most evident first; of each exemplar the best. `votes`: of the exemplars.
 pub(super) fn hypotheses(
     exemplars: &[Exemplar],
     frame: &Frame,
     votes: &[f64],
     o: &HypothesisOptions,
 ) -> Vec<Hypothesis> {
-    let mut found = by_windows(exemplars, frame, votes, o);
-    likeliest_first(&mut found, o);
-    found
-}
-
-/// Those that are there by their support and votes, then the others by their evidence. Where nothing is above accident,
-/// evidence tells nothing, and all are compared.
-fn likeliest_first(found: &mut [Hypothesis], o: &HypothesisOptions) {
-    let top = found.iter().fold(f64::MIN, |most, h| most.max(h.evidence));
-    let least = if top >= 0.0 { o.least_part * top } else { f64::MIN };
-    let key =
-        |h: &Hypothesis| (h.evidence >= least, if h.evidence >= least { h.likeliness() } else { h.evidence });
-    found.sort_by(|a, b| key(b).0.cmp(&key(a).0).then(key(b).1.total_cmp(&key(a).1)));
-}
-
-/// The decision that hypotheses (likeliest first) allow, if any: the first, where it is no accident and nothing contradicts.
-/// `labels`: of the exemplars.
-pub(super) fn decided<'a>(
-    found: &'a [Hypothesis],
-    labels: &[usize],
-    o: &HypothesisOptions,
-) -> Option<&'a Hypothesis> {
-    let first = found.first().filter(|h| h.evidence >= o.least_evidence)?;
-    let label = |h: &Hypothesis| labels.get(h.exemplar);
-    let mine = |h: &&Hypothesis| label(h) == label(first);
-    // another exemplar of the label speaks for it too
-    let evidence = found.iter().filter(mine).fold(0.0_f64, |most, h| most.max(h.evidence));
-    let votes = found.iter().filter(mine).fold(0.0_f64, |most, h| most.max(h.votes));
-    let contradicts = |h: &Hypothesis| {
-        let there = h.evidence >= o.least_evidence.max(evidence / CONTRADICTING_EVIDENCE);
-        h.evidence > CONTRADICTING_EVIDENCE * evidence || there && votes < LEAST_VOTES * h.votes
-    };
-    let contradicted = found.iter().any(|h| !mine(&h) && contradicts(h));
-    (!contradicted).then_some(first)
-}
-
-/// What is there, likeliest first; what the windows about the witnesses of one placement show no other placement shows again.
-/// An exemplar may be there several times, at places apart.
-pub(super) fn instances(
-    exemplars: &[Exemplar],
-    frame: &Frame,
-    votes: &[f64],
-    o: &HypothesisOptions,
-    most: usize,
-) -> Vec<Hypothesis> {
-    let mut out: Vec<Hypothesis> = Vec::new();
-    let mut outlines: Vec<Outline> = Vec::new();
-    // where the matches that are left stand among the frame's
-    let mut left: Vec<usize> = (0..frame.matches.len()).collect();
-    while out.len() < most {
-        let matches: Vec<Match> = left.iter().map(|&i| frame.matches[i]).collect();
-        let mut found = by_windows(exemplars, &Frame { matches: &matches, ..*frame }, votes, o);
-        found.retain(|h| h.evidence >= o.least_evidence);
-        // votes that the exemplar has elsewhere, where another instance may be, tell nothing of this place
-        for h in &mut found {
-            h.votes = votes_within(&Outline::of(&exemplars[h.exemplar], &h.map), h.exemplar, &matches);
-        }
-        likeliest_first(&mut found, o);
-        let outline = |h: &Hypothesis| Outline::of(&exemplars[h.exemplar], &h.map);
-        let Some(at) = found.iter().position(|h| !outlines.iter().any(|other| other.hides(&outline(h))))
-        else {
-            break;
-        };
-        let mut best = found.swap_remove(at);
-        let taken: Vec<Match> = best.witnesses.iter().map(|&i| matches[i]).collect();
-        let there = outline(&best);
-        best.witnesses.iter_mut().for_each(|i| *i = left[*i]);
-        left.retain(|&i| {
-            let found = &frame.matches[i];
-            let [x, y] = found.to;
-            let shown = taken.iter().any(|other| {
-                let ([u, v], r) = (other.to, found.radius_px.max(other.radius_px));
-                (x - u).powi(2) + (y - v).powi(2) <= (TAKEN * r).powi(2)
-            });
-            !shown && !there.hides(&Outline::predicted(&exemplars[found.exemplar as usize], found))
-        });
-        outlines.push(there);
-        out.push(best);
-    }
-    out
-}
-
-/// The votes of an exemplar by windows within an outline, of each window the largest. The matches are sorted by exemplar.
-fn votes_within(outline: &Outline, exemplar: usize, matches: &[Match]) -> f64 {
-    let first = matches.partition_point(|m| (m.exemplar as usize) < exemplar);
-    let count = matches[first..].partition_point(|m| m.exemplar as usize == exemplar);
-    let inside = |m: &&Match| {
-        (0..2).all(|axis| (outline.least[axis]..outline.most[axis]).contains(&f64::from(m.to[axis])))
-    };
-    largest_votes(matches[first..first + count].iter().filter(inside))
-        .iter()
-        .map(|(_, vote)| f64::from(*vote))
-        .sum()
-}
-
-/// Of each window the largest vote, by window.
-fn largest_votes<'a>(matches: impl Iterator<Item = &'a Match>) -> Vec<(u32, f32)> {
-    let mut votes: Vec<(u32, f32)> = matches.map(|found| (found.query, found.vote)).collect();
-    votes.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-    votes.dedup_by_key(|(query, _)| *query);
-    votes
-}
-
-/// Windows nearer than this part of their radius to a witness show what it shows.
-const TAKEN: f32 = 1.0;
-
-/// Things are opaque: one hides another of about its size where they overlap by this part of the smaller one.
-const HIDDEN: f64 = 0.4;
-/// A thing may stand before another that is so many times as large.
-const MUCH_LARGER: f64 = 4.0;
-
-/// The box about a placed exemplar.
-struct Outline {
-    least: [f64; 2],
-    most: [f64; 2],
-}
-
-impl Outline {
-    fn of(exemplar: &Exemplar, map: &Homography) -> Outline {
-        let (x, y) = (exemplar.width_px as f64 / 2.0, exemplar.height_px as f64 / 2.0);
-        let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|corner| map.apply(corner));
-        let along = |axis: usize, pick: fn(f64, f64) -> f64| {
-            corners[1..].iter().fold(corners[0][axis], |a, c| pick(a, c[axis]))
-        };
-        Outline {
-            least: [along(0, f64::min), along(1, f64::min)],
-            most: [along(0, f64::max), along(1, f64::max)],
-        }
-    }
-
-    /// Where one match alone places its exemplar.
-    fn predicted(exemplar: &Exemplar, found: &Match) -> Outline {
-        let centre = found.centre().map(f64::from);
-        Outline::of(
-            exemplar,
-            &Homography::similarity(centre, f64::from(found.turn_rad), f64::from(found.scale)),
-        )
-    }
-
-    fn hides(&self, other: &Outline) -> bool {
-        let area = |o: &Outline| (o.most[0] - o.least[0]) * (o.most[1] - o.least[1]);
-        let side = |axis: usize| {
-            (self.most[axis].min(other.most[axis]) - self.least[axis].max(other.least[axis])).max(0.0)
-        };
-        let (small, large) = (area(self).min(area(other)), area(self).max(area(other)));
-        side(0) * side(1) > HIDDEN * small && large < MUCH_LARGER * small
-    }
-}
-
-/// The hypotheses by the evidence of their windows, most evident first; of each exemplar the best.
-fn by_windows(
-    exemplars: &[Exemplar],
-    frame: &Frame,
-    votes: &[f64],
-    o: &HypothesisOptions,
-) -> Vec<Hypothesis> {
-    let background = Background::of(frame.matches, frame.width_px, frame.height_px, exemplars.len());
+    let background = Background::of(frame.matches, frame.size_px, exemplars.len());
     let mut order: Vec<usize> = (0..exemplars.len()).collect();
     order.sort_by(|&a, &b| votes[b].total_cmp(&votes[a]));
     order.truncate(o.promising);
@@ -308,7 +149,7 @@ fn explained(
     background: &Background,
     o: &HypothesisOptions,
 ) -> Option<Hypothesis> {
-    let within_px = (o.tolerance * (frame.width_px as f64).hypot(frame.height_px as f64)).max(3.0);
+    let within_px = (o.tolerance * (frame.size_px[0] as f64).hypot(frame.size_px[1] as f64)).max(3.0);
     let mut by_weight: Vec<usize> = (0..all.len()).collect();
     by_weight.sort_by(|&a, &b| all[b].weight.total_cmp(&all[a].weight));
     let mut maps = vec![(similarity(all, &mode.agreeing, within_px), false)];
@@ -385,26 +226,27 @@ fn similarity(all: &[Match], agreeing: &[usize], within_px: f64) -> Homography {
     map
 }
 
+/// Of each window the largest vote, by window.
+pub(super) fn largest_votes<'a>(matches: impl Iterator<Item = &'a Match>) -> Vec<(u32, f32)> {
+    let mut votes: Vec<(u32, f32)> = matches.map(|found| (found.query, found.vote)).collect();
+    votes.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    votes.dedup_by_key(|(query, _)| *query);
+    votes
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::planted::{accidents, planted};
+    use super::super::planted::{accidents, planted, votes_of};
     use super::*;
 
     const THINGS: usize = 10;
 
-    /// The hypotheses or instances of a frame of 640 by 480 px, against ten exemplars of 200 by 150 px.
-    fn judged(mut matches: Vec<Match>, several: bool) -> Vec<Hypothesis> {
+    /// The hypotheses of a frame of 640 by 480 px, against ten exemplars of 200 by 150 px.
+    fn judged(mut matches: Vec<Match>) -> Vec<Hypothesis> {
         matches.sort_by_key(|m| m.exemplar);
-        let frame = Frame { width_px: 640, height_px: 480, matches: &matches };
+        let frame = Frame { size_px: [640, 480], matches: &matches };
         let exemplars = [Exemplar { width_px: 200, height_px: 150 }; THINGS];
-        let mut votes = vec![0.0; THINGS];
-        matches.iter().for_each(|m| votes[m.exemplar as usize] += f64::from(m.vote));
-        let o = HypothesisOptions::default();
-        if several {
-            instances(&exemplars, &frame, &votes, &o, 8)
-        } else {
-            hypotheses(&exemplars, &frame, &votes, &o)
-        }
+        hypotheses(&exemplars, &frame, &votes_of(THINGS, &matches), &HypothesisOptions::default())
     }
 
     fn off(a: &Homography, b: &Homography) -> f64 {
@@ -423,37 +265,20 @@ mod tests {
         for map in [similarity, plane] {
             let mut matches = accidents(THINGS, 600, 1);
             matches.extend(planted(3, &map, 40, 10_000, 2));
-            let found = judged(matches, false);
+            let found = judged(matches);
             assert_eq!(found[0].exemplar, 3);
             assert!(found[0].evidence > 10.0, "{}", found[0].evidence);
             assert!(off(&found[0].map, &map) < 6.0, "{}", off(&found[0].map, &map));
-            let labels: Vec<usize> = (0..THINGS).collect();
-            assert!(decided(&found, &labels, &HypothesisOptions::default()).is_some_and(|h| h.exemplar == 3));
+            assert!(found[0].is_evident(2.0));
         }
     }
 
     #[test]
-    fn two_instances_of_one_exemplar_are_both_found() {
-        let maps = [[160.0, 240.0], [480.0, 240.0]].map(|centre| Homography::similarity(centre, 0.0, 1.0));
-        let mut matches = accidents(THINGS, 400, 3);
-        matches.extend(planted(5, &maps[0], 30, 10_000, 4));
-        matches.extend(planted(5, &maps[1], 30, 20_000, 5));
-        let found = judged(matches, true);
-        assert_eq!(found.iter().map(|h| h.exemplar).collect::<Vec<_>>(), [5, 5]);
-        assert!(maps.iter().all(|map| found.iter().any(|h| off(&h.map, map) < 6.0)));
-    }
-
-    #[test]
-    fn nothing_is_found_in_noise() {
+    fn nothing_is_evident_in_noise() {
         for seed in 0..20 {
-            let o = HypothesisOptions::default();
-            let labels: Vec<usize> = (0..THINGS).collect();
-            assert!(
-                decided(&judged(accidents(THINGS, 800, 100 + seed), false), &labels, &o).is_none(),
-                "{seed}"
-            );
-            assert!(judged(accidents(THINGS, 800, 100 + seed), true).is_empty(), "{seed}");
+            let found = judged(accidents(THINGS, 800, 100 + seed));
+            assert!(!found.iter().any(|h| h.is_evident(2.0)), "{seed}");
         }
-        assert!(judged(Vec::new(), false).is_empty());
+        assert!(judged(Vec::new()).is_empty());
     }
 }

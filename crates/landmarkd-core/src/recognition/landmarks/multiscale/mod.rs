@@ -6,17 +6,24 @@
 
 mod a_contrario;
 mod consensus;
+mod decision;
 pub(super) mod description;
 mod hypothesis;
+mod instance;
 mod matching;
+mod mirror;
+mod overlap;
 mod placed_template;
 #[cfg(test)]
 mod planted;
 mod ranking;
 mod window_votes;
 
+use decision::{decided, likeliest_first};
 use description::ScaleSpaceDescriber;
-use hypothesis::{Hypothesis, HypothesisOptions, decided, hypotheses, instances};
+use hypothesis::{Hypothesis, HypothesisOptions, hypotheses};
+use instance::instances;
+use mirror::{BEYOND_SYMMETRY, CLEARER, mirrored};
 use ranking::{AskedWindows, Ranking};
 use window_votes::WindowVotes;
 
@@ -25,7 +32,7 @@ use super::edge_template::{GradientDirections, edge_points};
 use super::model::{Exemplar, Landmarks};
 use super::options::{Colour, LandmarkOptions};
 use super::recognition::{Recognition, Stage};
-use super::search::{nearest, nearest_without};
+use super::search::nearest_but;
 use super::vote::label_numbers;
 use crate::imaging::Frame;
 use crate::vision::gradient_signature::SPECTRUM_LENGTH;
@@ -76,27 +83,45 @@ pub(super) fn recognise(
     finished(Stage::Attention);
     let batch = describer.describe(&working, &attention, model.options.query_points); // A§4.3, A§4.4
     finished(Stage::Signature);
-    let neighbours = match held_out {
-        None => nearest(model, &batch, None), // A§4.1, A§4.5
-        Some(exemplar) => nearest_without(model, &batch, exemplar),
-    };
+    let neighbours = nearest_but(model, &batch, held_out); // A§4.1, A§4.5
     finished(Stage::Search);
     let votes = WindowVotes::of(model, describer, &batch, &neighbours);
     finished(Stage::Vote);
-    let seen =
-        hypothesis::Frame { width_px: working.width(), height_px: working.height(), matches: &votes.matches };
     let exemplars: Vec<hypothesis::Exemplar> =
         (0..model.exemplars.len()).map(|index| size(model, index)).collect();
-    let options = HypothesisOptions { least_evidence: model.options.least_evidence(), ..Default::default() };
-    let found = hypotheses(&exemplars, &seen, &votes.weights, &options);
-    let decided = decided(&found, &label_numbers(&model.exemplars), &options).is_some();
-    let instances =
-        if decided { all_there(&exemplars, &seen, &votes.weights, &found, &options) } else { Vec::new() };
+    let options = HypothesisOptions {
+        least_evidence: model.options.least_evidence(),
+        viewpoint: model.options.viewpoint,
+        ..Default::default()
+    };
+    let size_px = [working.width(), working.height()];
+    let weights = votes.overlap.smoothed(&votes.weights);
+    let seen = hypothesis::Frame { size_px, matches: &votes.matches };
+    let mut found = hypotheses(&exemplars, &seen, &weights, &options);
+    likeliest_first(&mut found, options.viewpoint);
+    let witness = decided(&found, &label_numbers(&model.exemplars), &votes.overlap, &options).cloned();
+    let mirrored = witness.as_ref().is_some_and(|witness| {
+        let evidence = || {
+            let batch = mirrored(&batch, size_px[0]);
+            let neighbours = nearest_but(model, &batch, held_out);
+            let votes = WindowVotes::of(model, describer, &batch, &neighbours);
+            let seen = hypothesis::Frame { size_px, matches: &votes.matches };
+            let found = hypotheses(&exemplars, &seen, &votes.weights, &options);
+            found.first().map_or(0.0, |most| most.evidence)
+        };
+        witness.evidence < BEYOND_SYMMETRY && evidence() > CLEARER * witness.evidence
+    });
+    let decided = witness.filter(|_| !mirrored);
+    let instances = match decided {
+        Some(_) => all_there(&exemplars, &seen, &weights, &found, &options),
+        None => Vec::new(),
+    };
     let ranking = Ranking {
         model,
         working: &working,
         directions: &GradientDirections::of(attention.smoothed()),
         decided,
+        mirrored,
         hypotheses: found,
         instances,
     };
@@ -119,7 +144,7 @@ fn all_there(
     found: &[Hypothesis],
     options: &HypothesisOptions,
 ) -> Vec<Hypothesis> {
-    let evident = found.iter().filter(|found| found.evidence >= options.least_evidence);
+    let evident = found.iter().filter(|found| found.is_evident(options.least_evidence));
     let mut of_evident = vec![0.0; votes.len()];
     let mut promising = 0;
     for found in evident {

@@ -55,3 +55,10 @@ pub(super) fn planted(
         })
         .collect()
 }
+
+/// The votes of the matches for so many exemplars.
+pub(super) fn votes_of(exemplars: usize, matches: &[Match]) -> Vec<f64> {
+    let mut votes = vec![0.0; exemplars];
+    matches.iter().for_each(|found| votes[found.exemplar as usize] += f64::from(found.vote));
+    votes
+}

@@ -39,8 +39,10 @@ pub(super) struct Ranking<'a> {
     /// The frame at its working size.
     pub working: &'a Frame,
     pub directions: &'a GradientDirections,
-    /// Whether the likeliest is no accident and nothing contradicts it.
-    pub decided: bool,
+    /// What the decision for the likeliest rests on, where there is one: it, or a place that overlaps it.
+    pub decided: Option<Hypothesis>,
+    /// Whether the likeliest is seen in a mirror.
+    pub mirrored: bool,
     /// Of each exemplar the best, likeliest first.
     pub hypotheses: Vec<Hypothesis>,
     /// What is there, each thing once, most evident first.
@@ -55,20 +57,21 @@ impl Ranking<'_> {
         let points = self.points(&best, windows);
         let votes = self.votes(&best, &points);
         let evidence = self.evidence(&best);
-        let a_contrario = best.first().map(|first| self.a_contrario(first));
-        let decided = best.first().filter(|_| self.decided);
+        let a_contrario =
+            self.decided.as_ref().or(best.first().copied()).map(|found| self.a_contrario(found));
+        let decided = best.first().filter(|_| self.decided.is_some());
         let decision = decided.map(|first| Decision {
             label: self.label(first).to_owned(),
             confidence: self.model.confidence.as_ref().map(|curve| curve.of(&evidence)),
         });
-        let also = best.iter().skip(1).filter(|other| other.evidence >= least);
+        let also = best.iter().skip(1).filter(|other| !self.mirrored && other.is_evident(least));
         let also = also
             .map(|other| Also { label: self.label(other).to_owned(), a_contrario: self.a_contrario(other) });
         let asked = windows.batch.windows.len();
         Recognition {
             reasons: match decision {
                 Some(_) => Vec::new(),
-                None => reasons(self.model, self.working, asked, &votes),
+                None => reasons(self.model, self.working, asked, &votes, self.mirrored),
             },
             decision,
             points_found: windows.points_found,
@@ -103,7 +106,7 @@ impl Ranking<'_> {
     fn evidence(&self, best: &[&Hypothesis]) -> Evidence {
         match best {
             [] => Evidence::None,
-            [first, others @ ..] => evidence(first, others.iter().copied()),
+            [first, others @ ..] => evidence(self.decided.as_ref().unwrap_or(first), others.iter().copied()),
         }
     }
 

@@ -2,9 +2,11 @@
 
 use super::description::ScaleSpaceDescriber;
 use super::matching::Match;
+use super::overlap::Overlap;
 use crate::eigen::Neighbour;
 use crate::recognition::landmarks::description::WindowBatch;
 use crate::recognition::landmarks::model::Landmarks;
+use crate::recognition::landmarks::options::Viewpoint;
 use crate::vision::gradient_signature::SPECTRUM_LENGTH;
 
 /// Of the neighbours of a window the nearest, that say where their exemplar lies.
@@ -16,6 +18,8 @@ const PROMISING: usize = 40;
 pub(super) struct WindowVotes {
     /// W of every exemplar: how much nearer its windows are than the background, squared distances summed.
     pub weights: Vec<f64>,
+    /// How far the exemplars of the greatest W overlap, if they are places.
+    pub overlap: Overlap,
     /// The matches with the exemplars of the greatest W, sorted by exemplar.
     pub matches: Vec<Match>,
 }
@@ -48,6 +52,23 @@ impl WindowVotes {
             }
         }
         let promising = promising(&weights);
+        let overlap = match model.options.viewpoint {
+            Viewpoint::Free => Overlap::none(),
+            Viewpoint::Upright => {
+                let votes = |(query, beyond, near): (usize, f32, &'_ [Neighbour])| -> Vec<_> {
+                    let mut votes: Vec<(usize, usize, f32)> = Vec::with_capacity(near.len());
+                    for neighbour in near {
+                        let exemplar = exemplar_of(neighbour);
+                        if promising[exemplar] && votes.iter().all(|(_, other, _)| *other != exemplar) {
+                            votes.push((query, exemplar, beyond - neighbour.distance.powi(2)));
+                        }
+                    }
+                    votes
+                };
+                let promising: Vec<usize> = (0..exemplars).filter(|&e| promising[e]).collect();
+                Overlap::of(&promising, rows().flat_map(votes))
+            }
+        };
         let most_rad = model.options.turn_prior_deg.map_or(f32::INFINITY, |deg| deg.to_radians() as f32);
         let mut matches = Vec::new();
         for (query, beyond, near) in rows() {
@@ -60,7 +81,7 @@ impl WindowVotes {
             }
         }
         matches.sort_by_key(|found| found.exemplar); // stable
-        WindowVotes { weights, matches }
+        WindowVotes { weights, overlap, matches }
     }
 }
 

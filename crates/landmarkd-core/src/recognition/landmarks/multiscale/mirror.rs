@@ -1,0 +1,26 @@
+//! Whether a frame is a mirrored picture of something known.
+//!
+//! Much of what people photograph is nearly symmetric: windows, frames, letters, faces. In a mirrored picture such parts agree
+//! with an exemplar, and chance doesn't explain them. But mirrored back, the frame agrees far better.
+
+use crate::recognition::landmarks::description::{Window, WindowBatch};
+use crate::vision::InterestPoint;
+use crate::vision::gradient_signature::{SPECTRUM_LENGTH, mirrored_signature, mirrored_spectrum};
+
+/// Symmetry alone doesn't give more evidence: of 160 mirrored photographs the most had 45.
+pub(super) const BEYOND_SYMMETRY: f64 = 60.0;
+/// A frame is mirrored if its evidence is so many times as large when it is mirrored back: 24 of the 27 of these photographs
+/// that were decided otherwise, and none of 268 frames that are not mirrored.
+pub(super) const CLEARER: f64 = 2.0;
+
+/// The windows as they are in the mirrored frame.
+pub(super) fn mirrored(batch: &WindowBatch, width_px: usize) -> WindowBatch {
+    let mut mirrored = batch.clone();
+    let length = batch.signatures.len() / batch.windows.len().max(1);
+    mirrored.signatures.chunks_exact_mut(length.max(1)).for_each(mirrored_signature);
+    mirrored.spectra.chunks_exact_mut(SPECTRUM_LENGTH).for_each(mirrored_spectrum);
+    for Window { point: InterestPoint { x_px, .. }, .. } in &mut mirrored.windows {
+        *x_px = width_px as f32 - 1.0 - *x_px;
+    }
+    mirrored
+}
