@@ -5,6 +5,7 @@
 
 mod app;
 mod depth_pictures;
+mod descriptions;
 mod pictures;
 mod process;
 mod waits;

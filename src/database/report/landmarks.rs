@@ -43,6 +43,20 @@ pub struct LandmarkReport {
     #[schema(value_type = Option<VerdictReport>)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Option<VerdictReport>>,
+    /// Where it was trained here: where the descriptions of its exemplars came from.
+    #[schema(value_type = Option<DescriptionsReport>)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub descriptions: Option<Option<DescriptionsReport>>,
+}
+
+/// Where the descriptions of a training's exemplars came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = DescriptionsBody)]
+pub struct DescriptionsReport {
+    /// Pictures that were described.
+    pub computed: u64,
+    /// Pictures whose description an earlier training had left on this machine.
+    pub kept: u64,
 }
 
 /// What the version answered when its exemplars were shown turned, moved, on other ground and partly hidden: as they
@@ -84,6 +98,7 @@ impl LandmarkReport {
     pub(super) fn complete(&mut self) {
         self.reliability.get_or_insert_default();
         self.verdict.get_or_insert_default();
+        self.descriptions.get_or_insert_default();
         self.warnings.get_or_insert_default();
     }
 }
@@ -127,6 +142,7 @@ impl From<&TrainingReport> for LandmarkReport {
             warnings: None,
             timings_ms: None,
             verdict: None,
+            descriptions: None,
         }
     }
 }

@@ -11,7 +11,7 @@ mod verdict;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-pub use landmarks::{LandmarkReport, ReliabilityReport};
+pub use landmarks::{DescriptionsReport, LandmarkReport, ReliabilityReport};
 pub use objects::ObjectsReport;
 pub use verdict::VerdictReport;
 
@@ -65,6 +65,14 @@ impl Report {
         self
     }
 
+    /// The same with where the exemplars' descriptions came from, which an artifact doesn't have either.
+    pub fn with_descriptions(mut self, descriptions: Option<DescriptionsReport>) -> Self {
+        if let Self::Landmarks(report) = &mut self {
+            report.descriptions = descriptions.map(Some);
+        }
+        self
+    }
+
     /// The same with every member present, as answers have it.
     pub fn complete(mut self) -> Self {
         match &mut self {
@@ -102,7 +110,12 @@ mod tests {
         let kept_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5}"#;
         let all_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5,"rehearsal":null}"#;
         for (kind, text, empty, last) in [
-            (Kind::Landmarks, LANDMARKS, r#","reliability":null,"warnings":[]"#, r#","verdict":null"#),
+            (
+                Kind::Landmarks,
+                LANDMARKS,
+                r#","reliability":null,"warnings":[]"#,
+                r#","verdict":null,"descriptions":null"#,
+            ),
             (Kind::Objects, OBJECTS, r#","touches_border":[],"several_regions":[]"#, ""),
         ] {
             let report = Report::from_document(kind, text).unwrap();

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use super::{SelfCheck, Trained, rounds_of};
+use super::{SelfCheck, Trained, describing, rounds_of};
 use crate::database::{
-    Counts, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report, TrainingTimings, VerdictReport,
+    Counts, DescriptionsReport, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report,
+    TrainingTimings, VerdictReport,
 };
 use crate::jobs::stop::Stop;
 use crate::jobs::worker::Worker;
@@ -13,28 +14,22 @@ use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::landmarks::{
     CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, LeftOut, Reliability,
-    Signature, calibration_samples, describe, exemplars_to_leave_out, left_out, synthetic_views,
+    Signature, calibration_samples, exemplars_to_leave_out, left_out, synthetic_views,
 };
 
 /// The warning of a version without confidence: its samples allow no calibration.
 const NOT_CALIBRATED: &str = "not_calibrated";
 
-/// Trains the exemplars; returns the times of the stages too.
+/// Trains the exemplars; returns the times of the stages too, and where the descriptions came from.
 pub(super) async fn train(
     worker: &Worker<'_>,
     exemplars: Vec<ExemplarRow>,
     options: LandmarkOptions,
     calibration: SelfCheck,
-) -> Result<(Trained, TrainingTimings), Stop> {
+) -> Result<(Trained, TrainingTimings, DescriptionsReport), Stop> {
     let options = Arc::new(options);
-    let with = Arc::clone(&options);
-    let describe = move |_: usize, row: &ExemplarRow, frame: &_| {
-        let mut described = describe(name(row), frame, &with);
-        (described.exemplar.width_px, described.exemplar.height_px) = (row.width_px, row.height_px);
-        Ok(described)
-    };
-    let (described, describe_ms) =
-        worker.each("describing", exemplars.clone(), options.working_size_px, describe).await?;
+    let (described, descriptions, describe_ms) =
+        describing::described(worker, exemplars.clone(), &options).await?;
     let fit = move || {
         Landmarks::train(described, &options).map_err(|error| Stop::failed(Code::TooFewPoints, chain(&error)))
     };
@@ -69,7 +64,7 @@ pub(super) async fn train(
     let timings =
         TrainingTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: Some(rehearsal) };
     let (model, report) = (Model::Landmarks(Box::new(model)), Report::Landmarks(Box::new(report)));
-    Ok((Trained { model, report, counts }, timings))
+    Ok((Trained { model, report, counts }, timings, descriptions))
 }
 
 /// The model, what it says of each picture of its exemplars with that left out, and the milliseconds that this took.

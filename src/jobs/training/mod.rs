@@ -4,6 +4,7 @@
 //! The order of the writes is the protocol: the artifact's blob, read back and checked; then, in one transaction,
 //! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
 
+mod describing;
 mod gate;
 mod landmarks;
 mod objects;
@@ -163,17 +164,23 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
 /// The artifact of the exemplars, with its file.
 async fn train(worker: &Worker<'_>, inputs: &Inputs) -> Result<(Artifact, Bytes), Stop> {
     let rows = inputs.exemplars.clone();
-    let (trained, timings) = match inputs.params.options.clone() {
+    let (trained, timings, descriptions) = match inputs.params.options.clone() {
         Options::Landmarks(options) => {
-            landmarks::train(worker, rows, options, inputs.params.calibration).await?
+            let (trained, timings, descriptions) =
+                landmarks::train(worker, rows, options, inputs.params.calibration).await?;
+            (trained, timings, Some(descriptions))
         }
-        Options::Objects(options) => objects::train(worker, rows, options).await?,
+        Options::Objects(options) => {
+            let (trained, timings) = objects::train(worker, rows, options).await?;
+            (trained, timings, None)
+        }
     };
     let (started, digest) = (Instant::now(), inputs.digest.clone());
     let (mut artifact, bytes) = worker.run(0, move || trained.into_artifact(digest)).await?;
     let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
-    // The file is without the timings: the same inputs give the same bytes.
-    artifact.report = artifact.report.timed(TrainingTimings { eigenspace, ..timings });
+    // The file is without these: the same inputs give the same bytes.
+    let timings = TrainingTimings { eigenspace, ..timings };
+    artifact.report = artifact.report.timed(timings).with_descriptions(descriptions);
     Ok((artifact, bytes))
 }
 
