@@ -41,6 +41,11 @@ pub enum Reason {
         /// The labels, likeliest first.
         labels: Vec<String>,
     },
+    /// The frame shows what a negative exemplar shows.
+    KnownBackground {
+        /// Id of that exemplar.
+        exemplar: String,
+    },
     /// Nothing in the frame agrees with anything known.
     UnlikeAnything,
 }
@@ -54,6 +59,7 @@ impl Reason {
             Reason::LittleToSee { .. } => "little_to_see",
             Reason::WeakEvidence { .. } => "weak_evidence",
             Reason::Ambiguous { .. } => "ambiguous",
+            Reason::KnownBackground { .. } => "known_background",
             Reason::UnlikeAnything => "unlike_anything",
         }
     }
@@ -73,6 +79,9 @@ impl Reason {
             }
             Reason::Ambiguous { labels } => {
                 format!("chance explains none of {}, and nothing tells which it is", labels.join(", "))
+            }
+            Reason::KnownBackground { exemplar } => {
+                format!("the picture shows what the negative exemplar {exemplar} shows")
             }
             Reason::UnlikeAnything => "nothing in the picture agrees with anything known".to_owned(),
         }
@@ -95,17 +104,23 @@ impl Reason {
             Reason::Ambiguous { .. } => {
                 "teach this view under its label; merge the labels if they show the same".to_owned()
             }
+            Reason::KnownBackground { exemplar } => format!(
+                "nothing, if this is background; if it should be known, come nearer, or delete the exemplar {exemplar} where \
+                 that shows what should be known"
+            ),
             Reason::UnlikeAnything => "if this should be known, teach this picture".to_owned(),
         }
     }
 }
 
-/// The reasons, the likeliest first. `votes` are likeliest first.
+/// The reasons, the likeliest first. `votes` are likeliest first; `background` is the id of a negative exemplar that is
+/// seen.
 pub(super) fn reasons(
     model: &Landmarks,
     working: &Frame,
     windows: usize,
     votes: &[LabelVote],
+    background: Option<&str>,
 ) -> Vec<Reason> {
     let mut reasons = Vec::new();
     let mean = working.luminance.mean();
@@ -122,6 +137,10 @@ pub(super) fn reasons(
     let evident =
         votes.iter().filter(|vote| vote.a_contrario.is_some_and(|found| -found.log10_false_alarms >= least));
     let labels: Vec<String> = evident.map(|vote| vote.label.clone()).take(MOST_LABELS).collect();
+    if let Some(exemplar) = background {
+        reasons.push(Reason::KnownBackground { exemplar: exemplar.to_owned() });
+        return reasons;
+    }
     reasons.push(match (votes.first(), votes.first().and_then(|vote| vote.a_contrario)) {
         _ if !labels.is_empty() => Reason::Ambiguous { labels },
         (Some(vote), Some(a_contrario)) if a_contrario.log10_false_alarms < WEAK => Reason::WeakEvidence {

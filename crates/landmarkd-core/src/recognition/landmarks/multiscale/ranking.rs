@@ -68,7 +68,7 @@ impl Ranking<'_> {
         Recognition {
             reasons: match decision {
                 Some(_) => Vec::new(),
-                None => reasons(self.model, self.working, asked, &votes),
+                None => reasons(self.model, self.working, asked, &votes, self.background()),
             },
             decision,
             points_found: windows.points_found,
@@ -88,10 +88,23 @@ impl Ranking<'_> {
         &self.model.exemplars[found.exemplar].label
     }
 
+    fn is_negative(&self, found: &Hypothesis) -> bool {
+        self.model.exemplars[found.exemplar].is_negative()
+    }
+
+    /// The negative exemplar that the frame shows for sure enough, if no label is likelier, or no more than one.
+    fn background(&self) -> Option<&str> {
+        let evident = |found: &&Hypothesis| found.evidence >= self.model.options.least_evidence();
+        let background = self.hypotheses.iter().filter(evident).position(|found| self.is_negative(found))?;
+        let labels = self.best_of_labels().into_iter().filter(evident).count();
+        let found = self.hypotheses.iter().filter(evident).nth(background)?;
+        (background == 0 || labels <= 1).then(|| self.model.exemplars[found.exemplar].id.as_str())
+    }
+
     /// The likeliest hypothesis of each label, likeliest first.
     fn best_of_labels(&self) -> Vec<&Hypothesis> {
         let mut best: Vec<&Hypothesis> = Vec::new();
-        for found in &self.hypotheses {
+        for found in self.hypotheses.iter().filter(|found| !self.is_negative(found)) {
             if best.iter().all(|other| self.label(other) != self.label(found)) {
                 best.push(found);
             }
