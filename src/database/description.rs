@@ -147,6 +147,7 @@ mod tests {
             database: "d".into(),
             id: Uuid::nil(),
             label: "hall".into(),
+            negative: false,
             pose_deg: None,
             width_px: 160,
             height_px: 120,

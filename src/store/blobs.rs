@@ -317,6 +317,7 @@ pub(super) mod tests {
                 database: "lab".to_owned(),
                 id: uuid::Uuid::from_u128(1),
                 label: "kitchen".to_owned(),
+                negative: false,
                 pose_deg: None,
                 width_px: 1,
                 height_px: 1,

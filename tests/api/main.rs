@@ -24,6 +24,7 @@ mod jobs;
 mod keys;
 mod limits;
 mod main_job;
+mod negatives;
 mod objects;
 mod placements;
 mod problems;

@@ -146,15 +146,17 @@ class Client:
     def teach(
         self,
         database: str,
-        label: str,
+        label: str | None,
         picture: Picture,
         pose_deg: float | None = None,
         *,
+        negative: bool = False,
         frame_id: str | None = None,
         stamp: str | None = None,
     ) -> ExemplarBody:
         """Add a training image: what is seen (`label`) and, for objects, how it is turned, in degrees [0, 360).
 
+        With `negative=True` and `None` for the label the picture shows nothing known: what looks like it is background.
         The same again is the same exemplar. It is learnt by the next training.
         """
         image = upload(picture)
@@ -164,7 +166,8 @@ class Client:
                 database,
                 client=self.generated,
                 body=image,
-                label=label,
+                label=wanted(label),
+                negative=wanted(negative or None),
                 pose_deg=wanted(pose_deg),
                 **self._header(frame_id, stamp),
             ),

@@ -44,7 +44,7 @@ use utoipa::openapi::{Ref, RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use landmarkd_core::recognition::OptionFault;
-use landmarkd_core::recognition::landmarks::LandmarkOptions;
+use landmarkd_core::recognition::landmarks::{LandmarkOptions, Signature};
 use landmarkd_core::recognition::objects::ObjectOptions;
 
 pub use landmarks::LandmarkOptionsDocument;
@@ -132,6 +132,14 @@ impl Options {
         let members: Map<String, Value> = serde_json::from_str(text).map_err(malformed)?;
         refuse_null(&members).map_err(malformed)?;
         options.usable()
+    }
+
+    /// Whether signatures are of gradients: then negative exemplars are of use, and no calibration is needed to decide.
+    pub fn have_gradients(&self) -> bool {
+        match self {
+            Self::Landmarks(options) => options.signature == Signature::Gradient,
+            Self::Objects(_) => false,
+        }
     }
 
     /// Everything that is wrong with the options, all at once; empty if they can be used.
@@ -239,7 +247,7 @@ pub enum DocumentError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::recognition::landmarks::{Colour, Method, Signature, Taper, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
 
     fn intensity(viewpoint: Viewpoint) -> LandmarkOptions {

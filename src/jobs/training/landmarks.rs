@@ -14,7 +14,7 @@ use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::landmarks::{
     CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, LeftOut, Reliability,
-    Signature, calibration_samples, exemplars_to_leave_out, left_out, synthetic_views,
+    Signature, TrainingError, calibration_samples, exemplars_to_leave_out, left_out, synthetic_views,
 };
 
 /// The warning of a version without confidence: its samples allow no calibration.
@@ -31,7 +31,13 @@ pub(super) async fn train(
     let (described, descriptions, describe_ms) =
         describing::described(worker, exemplars.clone(), &options).await?;
     let fit = move || {
-        Landmarks::train(described, &options).map_err(|error| Stop::failed(Code::TooFewPoints, chain(&error)))
+        Landmarks::train(described, &options).map_err(|error| {
+            let code = match error {
+                TrainingError::NoLabels => Code::NoExemplars,
+                _ => Code::TooFewPoints,
+            };
+            Stop::failed(code, chain(&error))
+        })
     };
     let ((model, report), eigenspace_ms) = worker.alone("eigenspace", fit).await?;
     let counts = Counts {
