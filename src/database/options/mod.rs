@@ -5,22 +5,26 @@
 //! so its names never change meaning. One file a kind, one for segmentations.
 
 /// Declares the document of options: a member for each option, of a type that converts to and from the option's, absent
-/// or present.
+/// or present. Members that only requests have come last: they are no options, and absent from kept documents and answers.
 macro_rules! options_document {
     (
         $(#[$doc:meta])*
         $name:ident as $schema:ident, $options:ident, { $($(#[$attribute:meta])* $option:ident: $type:ty),+ $(,)? }
+        $(, in requests: { $($(#[$asked_attribute:meta])* $asked:ident: $asked_type:ty),+ $(,)? })?
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
         #[schema(as = $schema)]
         #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$attribute])* $option: Option<$type>),+ }
+        pub struct $name {
+            $($(#[$attribute])* $option: Option<$type>,)+
+            $($($(#[$asked_attribute])* #[serde(skip_serializing_if = "Option::is_none")] $asked: Option<$asked_type>,)+)?
+        }
 
-        /// Every member is present.
+        /// Every option is present.
         impl From<$options> for $name {
             fn from(options: $options) -> Self {
-                Self { $($option: Some(options.$option.into())),+ }
+                Self { $($option: Some(options.$option.into()),)+ $($($asked: None,)+)? }
             }
         }
 
