@@ -30,6 +30,7 @@ mod placements;
 mod problems;
 mod restarts;
 mod segmentations;
+mod self_check;
 mod service;
 mod swaps;
 mod tls;

@@ -30,7 +30,8 @@ pub struct LandmarkReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reliability: Option<Option<ReliabilityReport>>,
     /// What the training has to say: `not_calibrated` if no exemplar was recognised when it was seen otherwise, so that
-    /// answers have no confidence.
+    /// answers have no confidence; `not_checked` if the version was published before it was asked about its own pictures, and
+    /// that isn't done: it is being done, or its job ended before.
     #[schema(value_type = Vec<String>, required = true)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warnings: Option<Vec<String>>,

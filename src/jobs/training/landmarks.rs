@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{SelfCheck, Trained, describing, rounds_of};
 use crate::database::{
-    Counts, DescriptionsReport, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report,
+    Counts, DescriptionsReport, ExemplarRow, LandmarkReport, LoadedVersion, Model, ReliabilityReport, Report,
     TrainingTimings, VerdictReport,
 };
 use crate::jobs::stop::Stop;
@@ -48,12 +48,14 @@ pub(super) async fn train(
     let mut report = LandmarkReport::from(&report);
     let mut rehearsal = None;
     let model = match (calibration, model.options().signature) {
-        (SelfCheck::None, _) => model,
+        (SelfCheck::None | SelfCheck::Background, _) => model,
         (SelfCheck::Wait, Signature::Gradient) => {
-            let (model, left_out, took_ms) = leave_one_out(worker, &exemplars, model).await?;
-            report.verdict = Some(Some(VerdictReport::of(&left_out)));
-            rehearsal = Some(took_ms);
-            model
+            let asked = Arc::new(model);
+            let checked =
+                verdict(worker, "calibrating", &exemplars, &asked, |model: &Landmarks| Some(model)).await?;
+            (report.verdict, rehearsal) = checked.map(|(verdict, took_ms)| (Some(verdict), took_ms)).unzip();
+            Arc::into_inner(asked)
+                .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after it was asked"))?
         }
         (SelfCheck::Wait, Signature::Intensity) => {
             let (model, reliability, took_ms) = calibrate(worker, &exemplars, model).await?;
@@ -73,22 +75,34 @@ pub(super) async fn train(
     Ok((Trained { model, report, counts }, timings, descriptions))
 }
 
-/// The model, what it says of each picture of its exemplars with that left out, and the milliseconds that this took.
-async fn leave_one_out(
+/// The model of a version, if it is one of landmarks.
+pub(super) fn model_of(version: &LoadedVersion) -> Option<&Landmarks> {
+    match &version.model {
+        Model::Landmarks(model) => Some(model),
+        Model::Objects(_) => None,
+    }
+}
+
+/// What a model says of each picture of its exemplars with that left out, and the milliseconds that this took; `None` if
+/// `held` has no model of landmarks.
+pub(super) async fn verdict<M: Send + Sync + 'static>(
     worker: &Worker<'_>,
+    stage: &str,
     exemplars: &[ExemplarRow],
-    model: Landmarks,
-) -> Result<(Landmarks, Vec<LeftOut>, f64), Stop> {
-    let asked = Arc::new(model);
-    let chosen = exemplars_to_leave_out(&asked);
-    let ids: Vec<&str> = chosen.iter().map(|&index| asked.exemplars()[index].id.as_str()).collect();
+    held: &Arc<M>,
+    model_of: fn(&M) -> Option<&Landmarks>,
+) -> Result<Option<(VerdictReport, f64)>, Stop> {
+    let Some(model) = model_of(held) else { return Ok(None) };
+    let chosen = exemplars_to_leave_out(model);
+    let ids: Vec<&str> = chosen.iter().map(|&index| model.exemplars()[index].id.as_str()).collect();
     let (rows, _) = rounds_of(&ids, 1, exemplars);
-    let (with, longer_side_px) = (Arc::clone(&asked), asked.options().working_size_px);
-    let ask = move |_: usize, row: &ExemplarRow, frame: &_| Ok(left_out(&with, &row.id.to_string(), frame));
-    let (left_out, took_ms) = worker.each("calibrating", rows, longer_side_px, ask).await?;
-    let model = Arc::into_inner(asked)
-        .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after it was asked"))?;
-    Ok((model, left_out.into_iter().flatten().collect(), took_ms))
+    let (with, longer_side_px) = (Arc::clone(held), model.options().working_size_px);
+    let ask = move |_: usize, row: &ExemplarRow, frame: &_| {
+        Ok(model_of(&with).and_then(|model| left_out(model, &row.id.to_string(), frame)))
+    };
+    let (left_out, took_ms) = worker.each(stage, rows, longer_side_px, ask).await?;
+    let left_out: Vec<LeftOut> = left_out.into_iter().flatten().collect();
+    Ok(Some((VerdictReport::of(&left_out), took_ms)))
 }
 
 /// The model with its confidence calibrated on synthetic views of the exemplars, how reliable it is, and the milliseconds
