@@ -58,6 +58,7 @@ macro_rules! catalogue_suite {
             a_job_that_never_finishes_fails_with_the_reason
             a_queued_job_is_cancelled_at_once_and_a_running_one_is_flagged
             a_cancelled_job_of_a_dead_worker_is_not_taken_up_again
+            a_version_published_early_stays_whatever_becomes_of_its_job
             publishing_moves_version_alias_and_job_together
             a_publish_that_fails_changes_nothing
             concurrent_publishes_of_one_digest_give_one_version
