@@ -84,10 +84,14 @@ impl ExemplarFilter {
     /// The audit entry's detail on a deletion by this filter.
     pub(in crate::store) fn audit_detail(&self, deleted: u64) -> Value {
         let time = |time: Option<Timestamp>| time.map(|time| time.to_string());
-        json!({
-            "label": self.label, "negative": self.negative, "robot_id": self.robot_id,
+        let mut detail = json!({
+            "label": self.label, "robot_id": self.robot_id,
             "since": time(self.since), "before": time(self.before), "deleted": deleted,
-        })
+        });
+        if let Some(negative) = self.negative {
+            detail["negative"] = negative.into();
+        }
+        detail
     }
 }
 
