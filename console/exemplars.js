@@ -6,13 +6,16 @@ import {act, confirm, count, remotePicture} from "./parts.js";
 
 const SHOWN_PER_LABEL = window.matchMedia("(max-width: 48rem)").matches ? 3 : 10;
 
+// The title of the exemplars without a label; no label has a space.
+const NEGATIVE = "Negative: nothing known";
+
 // The exemplars by label. Elements that are there stay when the list is drawn again, so that pictures are fetched once.
 export function exemplarList(page) {
   const groups = new Map();
   const note = h("p", {class: "muted"});
   const node = h("div", {}, note);
   function draw(list, counted) {
-    const byLabel = grouped(list, (exemplar) => exemplar.label);
+    const byLabel = grouped(list, (exemplar) => exemplar.label ?? NEGATIVE);
     const labels = [...byLabel.keys()].sort((a, b) => a.localeCompare(b, "en", {numeric: true}));
     replace(note, list.length < counted ? `The first ${count(list.length, "exemplar")} of ${counted.toLocaleString("en")} are shown.`
       : !list.length && "None yet.");
@@ -67,7 +70,7 @@ function labelGroup(page, label) {
     h("div", {class: "row spread"}, title, act("Delete label", async () => {
       if (!await confirm(`Delete all ${list.length} exemplars of ${label}?`,
         "Versions that were trained with them stay as they are; the next training does without.", "Delete them")) return;
-      await remove(`${page.path}/exemplars?label=${encodeURIComponent(label)}`);
+      await remove(`${page.path}/exemplars?${label === NEGATIVE ? "negative=true" : `label=${encodeURIComponent(label)}`}`);
       await page.refresh();
     }, {kind: "quiet small", "aria-label": `Delete label ${label}`})), thumbs, more);
   return {node, draw};

@@ -117,7 +117,7 @@ export async function evidence(point, {image, answer, radius, exemplar, tone}) {
       h("tbody", {}, point.votes.map((each) => {
         const all = answer.votes.find(({label}) => label === each.label)?.weight;
         return h("tr", {}, h("td", {class: "name"}, h("span", {class: `chip ${each.weight > 0 ? tone(each.label) : "tone-0"}`}),
-          each.label), h("td", {class: "n"}, number(each.distance, 4)),
+          each.label ?? "(negative)"), h("td", {class: "n"}, number(each.distance, 4)),
           h("td", {class: "n"}, number(each.weight, 4)), h("td", {class: "n"}, all ? `${number(100 * each.weight / all, 1)} %` : "–"));
       })))),
   ];

@@ -4,7 +4,7 @@ import {h, replace} from "./dom.js";
 import {call, get, put} from "./api.js";
 import {act, problem} from "./parts.js";
 
-const MAIN_OPTIONS = {landmarks: ["method", "viewpoint", "signature"], objects: ["segment", "dimension", "stages"]};
+const MAIN_OPTIONS = {landmarks: ["preset", "method", "viewpoint", "signature"], objects: ["segment", "dimension", "stages"]};
 // Options that may be none. For the others null means the database's value.
 const MAY_BE_NONE = ["position_prior_px", "width_px", "height_px"];
 const PROMOTE = {always: "always", if_not_worse: "if it is not worse than the one in use", never: "never: I shall do it myself"};
@@ -102,10 +102,10 @@ export function training(page, onQueued) {
   return form;
 }
 
-// The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes.
+// The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes, or a preset is where they start from.
 async function keepOptions(page, options) {
   const {kind, options: kept} = await get(page.path);
   const another = ["method", "viewpoint", "signature"].some((name) => options[name] && options[name] !== kept[name]);
-  const base = another ? {method: kept.method, viewpoint: kept.viewpoint, signature: kept.signature} : kept;
+  const base = options.preset ? {} : another ? {method: kept.method, viewpoint: kept.viewpoint, signature: kept.signature} : kept;
   await put(page.path, {kind, options: {...base, ...options}});
 }

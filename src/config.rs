@@ -64,6 +64,9 @@ pub struct GivenSettings {
     /// Copies of shared blobs kept in the data folder [default: 4096]
     #[arg(long, env = "LANDMARKD_CACHE_LIMIT_MB", value_name = "N")]
     pub cache_limit_mb: Option<u64>,
+    /// Descriptions of pictures kept in the data folder, so that trainings describe only new ones; 0 keeps none [default: 4096]
+    #[arg(long, env = "LANDMARKD_DESCRIPTION_LIMIT_MB", value_name = "N")]
+    pub description_limit_mb: Option<u64>,
     /// What this process does of a fleet's work [default: all]
     #[arg(long, env = "LANDMARKD_ROLE", value_name = "ROLE")]
     pub role: Option<Role>,
@@ -144,6 +147,7 @@ impl GivenSettings {
             catalogue: self.catalogue.or(other.catalogue),
             blobs: self.blobs.or(other.blobs),
             cache_limit_mb: self.cache_limit_mb.or(other.cache_limit_mb),
+            description_limit_mb: self.description_limit_mb.or(other.description_limit_mb),
             role: self.role.or(other.role),
             serve: self.serve.or(other.serve),
             threads: self.threads.or(other.threads),
@@ -402,6 +406,8 @@ pub struct Settings {
     pub data_dir: PathBuf,
     /// None: the data folder holds everything, and this process alone works in it.
     pub shared: Option<Shared>,
+    /// Bytes that descriptions of pictures may take in the data folder.
+    pub description_limit_bytes: u64,
     /// The process's part of a fleet's work.
     pub role: Role,
     /// Databases whose versions are held in memory before they are asked for; none for a process that only trains.
@@ -501,6 +507,13 @@ impl Settings {
             bind: given.bind.unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
             shared,
             role,
+            description_limit_bytes: ranged(
+                "description_limit_mb",
+                given.description_limit_mb,
+                4096,
+                0,
+                1 << 24,
+            )? << 20,
             holds: given.holds(role)?,
             threads: ranged("threads", given.threads, cores, 1, 1024)? as usize,
             memory_limit_bytes: ranged("memory_limit_mb", given.memory_limit_mb, 1024, 0, 1 << 20)? << 20,

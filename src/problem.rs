@@ -33,7 +33,7 @@ codes! {
     MalformedRequest "malformed_request" 400 "The request can't be read"
         "Send what the call takes: the JSON, form, archive or header can't be read.",
     MissingFilter "missing_filter" 400 "The call must say which ones it means"
-        "Say which exemplars to delete, with `?label=`, `?robot_id=`, `?since=` or `?before=`: absent never means all.",
+        "Say which exemplars to delete, with `?label=`, `?negative=`, `?robot_id=`, `?since=` or `?before=`: absent never means all.",
     EmptyImage "empty_image" 400 "The request holds no picture"
         "Send a picture; with curl, `--data-binary @file`, or `-F image=@file`.",
     CorruptImage "corrupt_image" 400 "The picture is damaged"

@@ -24,8 +24,8 @@ use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::jobs::{Jobs, Runner};
 use crate::store::{
-    Blobs, Catalogue, CatalogueError, Folder, OpenBucketError, OpenCatalogueError, OpenFolderError,
-    OrphanCollection, open_bucket, open_folder, open_postgres,
+    Blobs, Catalogue, CatalogueError, Descriptions, Folder, OpenBucketError, OpenCatalogueError,
+    OpenFolderError, OrphanCollection, open_bucket, open_folder, open_postgres,
 };
 use crate::telemetry::{Metrics, chain};
 use crate::tls::{self, TlsError};
@@ -37,7 +37,7 @@ const BACKLOG: u32 = 1024;
 const REFRESH_EVERY: Duration = Duration::from_secs(2);
 /// How old the time of a key's last use in the catalogue may be.
 const NOTE_USES_EVERY: Duration = Duration::from_secs(30);
-/// Time between two collections of blobs that nothing names.
+/// Time between two collections of blobs that nothing names, and of descriptions of pictures that are gone.
 const COLLECT_EVERY: Duration = Duration::from_secs(3600);
 /// A blob younger than this may belong to an upload whose row is still to come.
 const ORPHAN_AGE: Duration = Duration::from_secs(24 * 3600);
@@ -145,10 +145,13 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
     let changes = catalogue.change_notifications();
     let keyring = Keyring::open(Arc::clone(&catalogue), settings.is_open_without_keys()).await?;
     let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
+    let kept = settings.data_dir.join("descriptions");
+    let descriptions = Descriptions::open(&kept, settings.description_limit_bytes).await;
+    let rows = Arc::clone(&catalogue);
     let service = Service {
         keyring,
         insecure: settings.insecure,
-        databases: Databases::new(Arc::clone(&catalogue), blobs, compute.clone(), memory_limit, holds),
+        databases: Databases::new(rows, blobs, descriptions, compute.clone(), memory_limit, holds),
         jobs: Jobs::new(catalogue),
         compute,
         metrics: Arc::new(Metrics::new()),
@@ -229,6 +232,7 @@ impl Parts {
             tasks.spawn(runner.run(shutdown.clone()));
             tasks.spawn(until(shutdown.clone(), collect_orphans(service.clone())));
         }
+        tasks.spawn(until(shutdown.clone(), collect_descriptions(service.clone())));
         tasks.spawn(until(shutdown.clone(), announce(service.clone())));
         // The keys have tasks of their own: neither a version that takes long to load nor a write may delay a revocation.
         tasks.spawn(until(shutdown.clone(), refresh_keys(keyring.clone(), changes.clone())));
@@ -277,6 +281,23 @@ async fn collect_orphans(service: Service) {
                 }
             }
             Err(error) => tracing::warn!(error = chain(&error), "can't collect orphan blobs"),
+        }
+    }
+}
+
+/// Removes descriptions of pictures that are gone.
+async fn collect_descriptions(service: Service) {
+    loop {
+        tokio::time::sleep(COLLECT_EVERY).await;
+        match service.databases.collect_descriptions().await {
+            Ok(0) => {}
+            Ok(removed) => tracing::info!(removed, "removed descriptions of pictures that are gone"),
+            Err(error) => {
+                tracing::warn!(
+                    error = chain(&error),
+                    "can't remove descriptions of pictures that are gone: later again"
+                );
+            }
         }
     }
 }

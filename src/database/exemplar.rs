@@ -1,7 +1,7 @@
 //! Exemplars: training images with their label, pose and the header of the robot that sent them.
 //!
 //! An exemplar's id is made from what it is (label, pose, bytes), so the same picture sent twice is one exemplar,
-//! and the same pictures at another site have the same ids.
+//! and the same pictures at another site have the same ids. One without a label is negative: it shows nothing known.
 
 use std::fmt::Write;
 
@@ -30,7 +30,7 @@ pub struct FrameHeader {
 /// A training image to add. Its bytes have been decoded once: they are an image of that size.
 #[derive(Debug, Clone)]
 pub struct NewExemplar {
-    label: Name,
+    label: Option<Name>,
     pose_deg: Option<f64>,
     bytes: Bytes,
     media_type: &'static str,
@@ -40,10 +40,10 @@ pub struct NewExemplar {
 }
 
 impl NewExemplar {
-    /// A training image with its SHA-256 sum, which takes a while for large images. `pose_deg` is the turntable pose in
+    /// A training image with its SHA-256 sum, which takes a while for large images; negative without a label. `pose_deg` is the turntable pose in
     /// degrees, in [0, 360); `size_px` is width and height.
     pub fn of(
-        label: Name,
+        label: Option<Name>,
         pose_deg: Option<f64>,
         bytes: Bytes,
         media_type: &'static str,
@@ -56,7 +56,8 @@ impl NewExemplar {
 }
 
 /// The id of an exemplar: a UUID of version 8 made from its content.
-fn exemplar_id(label: &Name, pose_deg: Option<f64>, sha256: &str) -> Uuid {
+fn exemplar_id(label: Option<&Name>, pose_deg: Option<f64>, sha256: &str) -> Uuid {
+    let label = label.map_or("", Name::as_str);
     let pose = pose_deg.map_or_else(String::new, |pose| pose.to_string());
     let hash = BlobName::of(format!("exemplar\n{label}\n{pose}\n{sha256}").as_bytes());
     Uuid::new_v8(hash.as_bytes().as_chunks().0[0])
@@ -80,13 +81,14 @@ impl Databases {
         database: &Name,
         new: NewExemplar,
     ) -> Result<(ExemplarRow, bool), DatabaseError> {
-        let id = exemplar_id(&new.label, new.pose_deg, &new.sha256);
+        let id = exemplar_id(new.label.as_ref(), new.pose_deg, &new.sha256);
         let bytes = new.bytes.len() as u64;
         let blob = self.blobs.put(new.bytes).await?;
         let row = ExemplarRow {
             database: database.to_string(),
             id,
-            label: new.label.to_string(),
+            negative: new.label.is_none(),
+            label: new.label.map_or_else(String::new, |label| label.to_string()),
             pose_deg: new.pose_deg,
             width_px: new.size_px.0,
             height_px: new.size_px.1,
@@ -190,15 +192,17 @@ mod tests {
 
     #[test]
     fn an_id_is_made_from_label_pose_and_bytes_alone() {
-        let label = Name::parse("cup").unwrap();
-        let id = exemplar_id(&label, Some(10.0), "aa");
-        assert_eq!(id, exemplar_id(&label, Some(10.0), "aa"));
+        let (cup, cups) = (Name::parse("cup").unwrap(), Name::parse("cups").unwrap());
+        let label = Some(&cup);
+        let id = exemplar_id(label, Some(10.0), "aa");
+        assert_eq!(id, exemplar_id(label, Some(10.0), "aa"));
         assert_eq!(id.get_version_num(), 8);
         for other in [
-            exemplar_id(&Name::parse("cups").unwrap(), Some(10.0), "aa"),
-            exemplar_id(&label, Some(10.5), "aa"),
-            exemplar_id(&label, None, "aa"),
-            exemplar_id(&label, Some(10.0), "ab"),
+            exemplar_id(Some(&cups), Some(10.0), "aa"),
+            exemplar_id(None, Some(10.0), "aa"),
+            exemplar_id(label, Some(10.5), "aa"),
+            exemplar_id(label, None, "aa"),
+            exemplar_id(label, Some(10.0), "ab"),
         ] {
             assert_ne!(id, other);
         }

@@ -9,6 +9,7 @@
 
 pub mod artifact;
 pub(crate) mod calibrations;
+pub(crate) mod description;
 mod error;
 mod exemplar;
 mod fleet;
@@ -34,7 +35,8 @@ pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::{Kind, Options, OptionsDocument};
 pub use registry::{LoadedVersion, Registry};
 pub(crate) use report::{
-    LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings, VerdictReport,
+    DescriptionsReport, LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings,
+    VerdictReport,
 };
 pub use verification::{Verification, verify};
 pub use version::inputs_digest;
@@ -46,7 +48,7 @@ pub use crate::store::{
 };
 
 use crate::compute::Compute;
-use crate::store::{Actor, Blobs, Catalogue, OrphanCollection};
+use crate::store::{Actor, Blobs, Catalogue, Descriptions, OrphanCollection};
 
 /// The alias that answers when a call names none.
 pub const CURRENT: &str = "current";
@@ -56,6 +58,7 @@ pub const CURRENT: &str = "current";
 pub struct Databases {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) blobs: Blobs,
+    pub(crate) descriptions: Descriptions,
     registry: Arc<Registry>,
 }
 
@@ -65,13 +68,14 @@ impl Databases {
     pub fn new(
         catalogue: Arc<Catalogue>,
         blobs: Blobs,
+        descriptions: Descriptions,
         compute: Compute,
         memory_limit_bytes: u64,
         holds: Option<glob::Pattern>,
     ) -> Self {
         let (rows, artifacts) = (Arc::clone(&catalogue), blobs.clone());
         let registry = Arc::new(Registry::new(rows, artifacts, compute, memory_limit_bytes, holds));
-        Self { catalogue, blobs, registry }
+        Self { catalogue, blobs, descriptions, registry }
     }
 
     /// The versions in memory.
@@ -101,6 +105,14 @@ impl Databases {
     /// A store is unavailable.
     pub async fn collect_orphans(&self, age: Duration) -> Result<OrphanCollection, DatabaseError> {
         Ok(crate::store::collect_orphans(&self.blobs, age, &self.catalogue).await?)
+    }
+
+    /// Removes the descriptions kept on this machine of pictures that no exemplar has any more, and counts them.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
+    pub async fn collect_descriptions(&self) -> Result<u64, DatabaseError> {
+        Ok(self.descriptions.remove_unreferenced(&self.catalogue).await?)
     }
 
     /// Create a database, or find the one of that name; `true` when it is new. Options given for a database that

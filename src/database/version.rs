@@ -15,7 +15,9 @@ pub fn inputs_digest(kind: Kind, options_document: &str, exemplars: &[ExemplarRo
         .iter()
         .map(|row| {
             let pose = row.pose_deg.map_or_else(|| "-".into(), |pose| pose.to_string());
-            format!("{} {} {pose}", row.sha256, row.label)
+            // no label is "-": names begin with a letter or a digit
+            let label = if row.negative { "-" } else { &row.label };
+            format!("{} {label} {pose}", row.sha256)
         })
         .collect();
     lines.sort_unstable();
@@ -146,6 +148,7 @@ mod tests {
             database: "d".into(),
             id: Uuid::nil(),
             label: label.into(),
+            negative: label.is_empty(),
             pose_deg,
             width_px: 1,
             height_px: 1,
@@ -169,6 +172,7 @@ mod tests {
             inputs_digest(Kind::Landmarks, "{1}", &[a.clone(), b.clone()]),
             inputs_digest(Kind::Landmarks, "{}", std::slice::from_ref(&a)),
             inputs_digest(Kind::Landmarks, "{}", &[a.clone(), row("cup", "11", Some(6.0))]),
+            inputs_digest(Kind::Landmarks, "{}", &[row("", "00", None), b.clone()]),
             inputs_digest(Kind::Landmarks, "{}", &[row("can", "00", None), b]),
         ] {
             assert_ne!(digest, other);

@@ -17,13 +17,13 @@ use tokio_util::io::StreamReader;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::exemplars::{self, pose};
+use super::exemplars::{self, label_or_negative, pose};
 use super::extract::{MAX_JSON_BYTES, Path, essence, from_json};
 use super::paths::DatabasePath;
 use super::problem::{Code, Problem, ProblemBody};
 use super::uploads::{Form, Picture, RobotHeader, too_many_parts};
 use super::{Service, body};
-use crate::database::{FrameHeader, Name};
+use crate::database::{DatabaseRow, FrameHeader, Name};
 
 /// One line of a batch's manifest.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -31,12 +31,16 @@ use crate::database::{FrameHeader, Name};
 pub struct ManifestLine {
     /// Name of the file part.
     pub file: String,
-    /// The place or object.
-    #[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
-    pub label: String,
+    /// The place or object; left out where `negative` is true.
+    #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub label: Option<String>,
     /// Turntable pose, in degrees.
     #[schema(minimum = 0, exclusive_maximum = 360)]
     pub pose_deg: Option<f64>,
+    /// Whether the picture shows nothing known.
+    #[serde(default)]
+    #[schema(default = false)]
+    pub negative: bool,
 }
 
 /// A form with a manifest and one file part for each of its files.
@@ -100,7 +104,8 @@ impl BatchBody {
 }
 
 /// Add many training images: a form with a part `manifest` and then one part named as each file, or a tar archive of
-/// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose).
+/// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose); pictures that show nothing known stand in
+/// a folder `_negative`.
 #[utoipa::path(
     post, operation_id = "add_exemplar_batch",
     path = "/v1/databases/{database}/exemplars:batch", tag = "databases", security(("key" = ["contribute"])), params(DatabasePath),
@@ -113,8 +118,8 @@ pub async fn post(
     RobotHeader(header): RobotHeader,
     request: Request,
 ) -> Result<Json<BatchBody>, Problem> {
-    service.databases.get(&path.database).await?;
-    let batch = Batch { service: &service, database: &path.database, header };
+    let row = service.databases.get(&path.database).await?;
+    let batch = Batch { service: &service, database: &path.database, row, header };
     match essence(request.headers()).as_deref() {
         Some("multipart/form-data") => batch.form(request).await.map(Json),
         Some("application/x-tar" | "application/tar") => batch.tar(request).await.map(Json),
@@ -132,6 +137,7 @@ pub async fn post(
 struct Batch<'a> {
     service: &'a Service,
     database: &'a Name,
+    row: DatabaseRow,
     header: FrameHeader,
 }
 
@@ -139,10 +145,17 @@ struct Batch<'a> {
 type FileBytes = Result<Bytes, Problem>;
 
 impl Batch<'_> {
-    async fn keep(&self, label: &str, pose_deg: Option<f64>, bytes: Bytes) -> Result<(Uuid, bool), Problem> {
-        let label =
-            Name::parse(label).map_err(|error| Problem::field("/label", format!("{label:?} {error}")))?;
+    async fn keep(
+        &self,
+        label: Option<&str>,
+        negative: bool,
+        pose_deg: Option<f64>,
+        bytes: Bytes,
+    ) -> Result<(Uuid, bool), Problem> {
+        let wrong = |label, error| Problem::field("/label", format!("{label:?} {error}"));
+        let label = label.map(|label| Name::parse(label).map_err(|error| wrong(label, error))).transpose()?;
         let pose_deg = pose(pose_deg, "/pose_deg")?;
+        let label = label_or_negative(&self.row, label, negative, pose_deg, "/")?;
         let picture = Picture::of(bytes, &self.service.decode)?;
         let header = self.header.clone();
         let kept = exemplars::keep(self.service, self.database, label, pose_deg, &picture, header);
@@ -215,7 +228,7 @@ impl Batch<'_> {
         };
         for line in lines {
             let outcome = match read.clone() {
-                Ok(bytes) => self.keep(&line.label, line.pose_deg, bytes).await,
+                Ok(bytes) => self.keep(line.label.as_deref(), line.negative, line.pose_deg, bytes).await,
                 Err(problem) => Err(problem),
             };
             answer.note(name.into(), outcome)?;
@@ -276,8 +289,10 @@ impl Batch<'_> {
             let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
             return answer.note(file, Err(problem));
         };
+        let negative = label == NEGATIVE_FOLDER;
+        let (label, pose_deg) = (Some(label).filter(|_| !negative), pose_deg.filter(|_| !negative));
         let outcome = match self.entry_bytes(entry, limits.max_body_bytes).await? {
-            Some(bytes) => self.keep(&label, pose_deg, bytes).await,
+            Some(bytes) => self.keep(label.as_deref(), negative, pose_deg, bytes).await,
             None => Err(body::too_large(limits.max_body_bytes)),
         };
         answer.note(file, outcome)
@@ -303,6 +318,9 @@ impl Batch<'_> {
         Problem::new(Code::MalformedRequest, text)
     }
 }
+
+/// The folder of pictures that show nothing known; no label begins so.
+const NEGATIVE_FOLDER: &str = "_negative";
 
 /// Longest file name in an archive.
 const MAX_TAR_NAME_BYTES: u64 = 64 << 10;

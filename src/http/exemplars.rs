@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
+use super::databases::read_options;
 use super::extract::{Path, Query};
 use super::pages::{Page, Paging};
 use super::paths::DatabasePath;
@@ -17,7 +18,7 @@ use super::uploads::{OnePicture, Picture, RobotHeader};
 use super::{Service, put_status};
 use crate::access::Caller;
 use crate::compute::Lane;
-use crate::database::{ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
+use crate::database::{DatabaseRow, ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
 use landmarkd_core::imaging::{self, DecodeError};
 
 /// The exemplar that a call is about.
@@ -36,12 +37,16 @@ pub struct ExemplarPath {
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct LabelQuery {
-    /// The place or object.
-    #[param(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
-    pub label: Name,
+    /// The place or object; left out where `negative` is true.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub label: Option<Name>,
     /// Turntable pose, in degrees.
     #[param(minimum = 0, exclusive_maximum = 360)]
     pub pose_deg: Option<f64>,
+    /// Of landmarks with signatures of gradients: the picture shows nothing known, such as the building without anything that
+    /// is to be recognised. What looks like it is background.
+    #[param(default = false)]
+    pub negative: Option<bool>,
 }
 
 /// Which exemplars are meant.
@@ -51,6 +56,8 @@ pub struct LabelQuery {
 pub struct ExemplarQuery {
     /// Those of this label.
     pub label: Option<String>,
+    /// True: those that show nothing known; false: those with a label.
+    pub negative: Option<bool>,
     /// Those that this robot sent.
     pub robot_id: Option<String>,
     /// Those received at this moment or later, by the service's clock.
@@ -71,6 +78,8 @@ pub struct ExemplarQuery {
 pub struct DeleteQuery {
     /// Those of this label.
     pub label: Option<String>,
+    /// True: those that show nothing known; false: those with a label.
+    pub negative: Option<bool>,
     /// Those that this robot sent.
     pub robot_id: Option<String>,
     /// Those received at this moment or later, by the service's clock.
@@ -83,7 +92,10 @@ pub struct DeleteQuery {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ExemplarBody {
     pub id: Uuid,
-    pub label: String,
+    /// Null where it is negative.
+    pub label: Option<String>,
+    /// Whether it shows nothing known.
+    pub negative: bool,
     pub pose_deg: Option<f64>,
     pub width_px: u32,
     pub height_px: u32,
@@ -100,7 +112,8 @@ impl From<ExemplarRow> for ExemplarBody {
     fn from(row: ExemplarRow) -> Self {
         Self {
             id: row.id,
-            label: row.label,
+            label: (!row.negative).then_some(row.label),
+            negative: row.negative,
             pose_deg: row.pose_deg,
             width_px: row.width_px,
             height_px: row.height_px,
@@ -125,12 +138,41 @@ pub fn pose(given: Option<f64>, at: &str) -> Result<Option<f64>, Problem> {
     }
 }
 
+/// The label of an exemplar, or none for a negative one. `at` is what pointers to the fields begin with.
+pub fn label_or_negative(
+    database: &DatabaseRow,
+    label: Option<Name>,
+    negative: bool,
+    pose_deg: Option<f64>,
+    at: &str,
+) -> Result<Option<Name>, Problem> {
+    let field = |name: &str, text: &str| Err(Problem::field(format!("{at}{name}"), text));
+    match label {
+        Some(_) if negative => {
+            field("negative", "a negative exemplar shows nothing known: leave out label, or negative")
+        }
+        None if !negative => field(
+            "label",
+            "name the place or object with label, or say with negative=true that nothing known is to be seen",
+        ),
+        None if pose_deg.is_some() => {
+            field("pose_deg", "a negative exemplar shows nothing that could be turned: leave out pose_deg")
+        }
+        None if !read_options(database)?.have_gradients() => field(
+            "negative",
+            "negative exemplars are for databases of kind landmarks with signature gradient: leave it out, or put that \
+             option first",
+        ),
+        label => Ok(label),
+    }
+}
+
 /// Decodes a picture once, so that only pictures are kept, and keeps it; the pose is in [0, 360). Returns the exemplar, and
 /// whether it is new.
 pub async fn keep(
     service: &Service,
     database: &Name,
-    label: Name,
+    label: Option<Name>,
     pose_deg: Option<f64>,
     picture: &Picture,
     header: FrameHeader,
@@ -169,10 +211,12 @@ pub async fn post(
     RobotHeader(header): RobotHeader,
     picture: OnePicture,
 ) -> Result<(StatusCode, Json<ExemplarBody>), Problem> {
-    service.databases.get(&path.database).await?;
+    let database = service.databases.get(&path.database).await?;
     let pose_deg = pose(query.pose_deg, "#pose_deg")?;
+    let negative = query.negative.unwrap_or(false);
+    let label = label_or_negative(&database, query.label, negative, pose_deg, "#")?;
     let picture = picture.checked(&service.decode)?;
-    let kept = keep(&service, &path.database, query.label, pose_deg, &picture, header);
+    let kept = keep(&service, &path.database, label, pose_deg, &picture, header);
     let (row, created) = kept.await?;
     Ok((put_status(created), Json(row.into())))
 }
@@ -199,8 +243,8 @@ pub async fn list(
 ) -> Result<Json<Page<ExemplarBody>>, Problem> {
     let Paging { limit, after } = Paging::read(query.limit, query.cursor.as_deref())?;
     service.databases.get(&path.database).await?;
-    let ExemplarQuery { label, robot_id, since, before, .. } = query;
-    let filter = ExemplarFilter { label, robot_id, since, before };
+    let ExemplarQuery { label, negative, robot_id, since, before, .. } = query;
+    let filter = ExemplarFilter { label, negative, robot_id, since, before };
     let rows = service.databases.exemplars(&path.database, &filter, after, limit).await?;
     Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), ExemplarBody::from)))
 }
@@ -253,7 +297,7 @@ pub async fn delete(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Delete the training images that match all that is given: a label, a robot, a span of time; with nothing given, none
+/// Delete the training images that match all that is given: a label, whether negative, a robot, a span of time; with nothing given, none
 /// and 400. Versions trained with them stay as they are: train anew, then delete the older versions.
 #[utoipa::path(
     delete, operation_id = "delete_exemplars",
@@ -267,8 +311,8 @@ pub async fn delete_matching(
     Query(query): Query<DeleteQuery>,
 ) -> Result<StatusCode, Problem> {
     service.databases.get(&path.database).await?;
-    let DeleteQuery { label, robot_id, since, before } = query;
-    let filter = ExemplarFilter { label, robot_id, since, before };
+    let DeleteQuery { label, negative, robot_id, since, before } = query;
+    let filter = ExemplarFilter { label, negative, robot_id, since, before };
     service.databases.delete_exemplars(&path.database, &filter, &caller.actor()).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -357,6 +357,12 @@ impl From<JobError> for Problem {
             JobError::NoExemplars { .. } => {
                 Self::new(Code::NoExemplars, format!("{error}: post some, then train"))
             }
+            JobError::Negative { .. } => Self::field(
+                "/options/signature",
+                format!(
+                    "{error}: train with signature gradient, or delete them with DELETE …/exemplars?negative=true"
+                ),
+            ),
             JobError::Unfit { source, .. } => Self::new(source.code(), source.to_string()),
             JobError::Database(source) => source.into(),
         }

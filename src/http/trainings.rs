@@ -28,7 +28,8 @@ pub struct NewTraining {
     #[serde(default)]
     #[schema(default = "always")]
     pub promote: Promote,
-    /// Of landmarks: whether the version is asked about its own pictures before it is published; `wait` unless given.
+    /// Of landmarks: whether the version is asked about its own pictures, and whether before it is published (`wait`) or
+    /// afterwards (`background`); `wait` unless given. The comparison of `promote: "if_not_worse"` comes before in any case.
     pub calibration: Option<SelfCheck>,
 }
 
@@ -46,6 +47,10 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let base = read_options(&service.databases.get(&path.database).await?)?;
     let options = options::patched(base, &new.options.unwrap_or_default())?;
+    if new.calibration == Some(SelfCheck::Background) && !options.have_gradients() {
+        let text = "background is for landmarks with signature gradient, which decide without a calibration: give wait or none";
+        return Err(Problem::field("/calibration", text));
+    }
     let params =
         TrainingParams { options, promote: new.promote, calibration: new.calibration.unwrap_or_default() };
     let job = service.jobs.train(&path.database, &params, &caller.actor()).await?;

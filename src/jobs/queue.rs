@@ -8,7 +8,9 @@ use uuid::Uuid;
 use super::lease::Signals;
 use super::sweep::{self, SweepParams};
 use super::training::{self, TrainingParams, UnfitExemplars};
-use crate::database::{DatabaseError, JobEventRow, JobFilter, JobRow, JobState, Name, Options, Rig};
+use crate::database::{
+    DatabaseError, ExemplarFilter, JobEventRow, JobFilter, JobRow, JobState, Name, Options, Rig,
+};
 use crate::store::{Actor, Catalogue, CatalogueError};
 
 /// Why a call on a job failed.
@@ -29,8 +31,14 @@ pub enum JobError {
         state: &'static str,
     },
     /// There is nothing to train from.
-    #[error("database {database} has no exemplars")]
+    #[error("database {database} has no exemplars with a label")]
     NoExemplars {
+        /// The database's name.
+        database: String,
+    },
+    /// Negative exemplars, and signatures that have no use for them.
+    #[error("database {database} has negative exemplars, which go with signatures of gradients")]
+    Negative {
         /// The database's name.
         database: String,
     },
@@ -79,7 +87,7 @@ impl Jobs {
     /// Queues a training of the database.
     ///
     /// # Errors
-    /// [`JobError::NoExemplars`], [`JobError::Unfit`], or an unknown database.
+    /// [`JobError::NoExemplars`], [`JobError::Negative`], [`JobError::Unfit`], or an unknown database.
     pub async fn train(
         &self,
         database: &Name,
@@ -89,13 +97,22 @@ impl Jobs {
         let name = database.as_str();
         let unknown = || DatabaseError::UnknownDatabase { database: database.to_string() };
         self.catalogue.database(name).await?.ok_or_else(unknown)?;
-        if self.catalogue.database_counts(name).await?.exemplars == 0 {
+        if self.catalogue.database_counts(name).await?.labels == 0 {
             return Err(JobError::NoExemplars { database: database.to_string() });
         }
-        if let Options::Objects(options) = &params.options {
-            let exemplars = self.catalogue.training_set(name).await?;
-            if let Some(source) = UnfitExemplars::among(&exemplars, options) {
-                return Err(JobError::Unfit { database: database.to_string(), source });
+        match &params.options {
+            Options::Objects(options) => {
+                let exemplars = self.catalogue.training_set(name).await?;
+                if let Some(source) = UnfitExemplars::among(&exemplars, options) {
+                    return Err(JobError::Unfit { database: database.to_string(), source });
+                }
+            }
+            Options::Landmarks(_) if params.options.have_gradients() => {}
+            Options::Landmarks(_) => {
+                let negative = ExemplarFilter { negative: Some(true), ..ExemplarFilter::default() };
+                if !self.catalogue.exemplars(name, &negative, None, 1).await?.is_empty() {
+                    return Err(JobError::Negative { database: database.to_string() });
+                }
             }
         }
         let job = self.catalogue.enqueue_job(training::KIND, name, &params.to_document(), by).await?;

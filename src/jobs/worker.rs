@@ -52,10 +52,23 @@ impl Worker<'_> {
         T: Send + 'static,
         F: Fn(usize, &ExemplarRow, &Frame) -> Result<T, Stop> + Send + Sync + 'static,
     {
+        let work = Arc::new(work);
+        let one = |place, row| self.one(place, row, longer_side_px, Arc::clone(&work));
+        self.in_parallel(stage, exemplars, one).await
+    }
+
+    /// Makes something of each exemplar, several at once. Returns what was made in the exemplars' order, and the
+    /// milliseconds that all of it took.
+    pub(super) async fn in_parallel<T, F: Future<Output = Result<T, Stop>>>(
+        &self,
+        stage: &str,
+        exemplars: Vec<ExemplarRow>,
+        make: impl Fn(usize, ExemplarRow) -> F,
+    ) -> Result<(Vec<T>, f64), Stop> {
         let started = Instant::now();
-        let (total, work) = (exemplars.len() as u64, Arc::new(work));
+        let total = exemplars.len() as u64;
         let made = stream::iter(exemplars.into_iter().enumerate())
-            .map(|(place, row)| self.one(place, row, longer_side_px, Arc::clone(&work)))
+            .map(|(place, row)| make(place, row))
             .buffered(self.compute.threads(Lane::Training))
             .enumerate()
             .then(|(done, made)| async move {
@@ -67,7 +80,8 @@ impl Worker<'_> {
         Ok((made, started.elapsed().as_secs_f64() * 1e3))
     }
 
-    async fn one<T, F>(
+    /// The value of `work` on one exemplar, its picture brought down to `longer_side_px`.
+    pub(super) async fn one<T, F>(
         &self,
         place: usize,
         row: ExemplarRow,

@@ -48,7 +48,7 @@ pub(super) enum Place {
     /// A bucket that several processes share.
     Bucket {
         /// Blobs that were read before, on this machine.
-        cache: Cache,
+        cache: Cache<BlobName>,
     },
 }
 
@@ -92,7 +92,7 @@ impl Blobs {
     /// is marked with another catalogue, whose blobs would be orphans here.
     pub(super) async fn in_bucket(
         store: Arc<dyn ObjectStore>,
-        cache: Cache,
+        cache: Cache<BlobName>,
         catalogue: Uuid,
     ) -> object_store::Result<Option<Self>> {
         let blobs = Self { store, place: Arc::new(Place::Bucket { cache }) };
@@ -317,6 +317,7 @@ pub(super) mod tests {
                 database: "lab".to_owned(),
                 id: uuid::Uuid::from_u128(1),
                 label: "kitchen".to_owned(),
+                negative: false,
                 pose_deg: None,
                 width_px: 1,
                 height_px: 1,

@@ -19,6 +19,7 @@ use object_store::prefix::PrefixStore;
 use object_store::{BackoffConfig, ClientOptions, RetryConfig};
 use uuid::Uuid;
 
+use super::blob_name::BlobName;
 use super::blobs::Blobs;
 use super::cache::Cache;
 
@@ -100,7 +101,7 @@ pub(super) async fn open(
     builder: AmazonS3Builder,
     location: &str,
     catalogue: Uuid,
-    cache: Cache,
+    cache: Cache<BlobName>,
 ) -> Result<Blobs, OpenBucketError> {
     // One provider for the whole process; it may be installed already.
     rustls::crypto::ring::default_provider().install_default().ok();

@@ -1,14 +1,17 @@
-//! Blobs of a bucket kept in a folder of this machine, bounded in bytes, the least recently used out first.
+//! What can be fetched or computed again, kept in a folder of this machine, bounded in bytes, the least recently used
+//! out first: blobs of a bucket, descriptions of pictures.
 //!
-//! A file is named as its blob and proved by its hash on every reading; one that is damaged is removed, and the
-//! blob is fetched again. A file's time of change is when it was last used, so that the order outlives the process.
-//! Without room or rights on the disk nothing is kept, and every blob is read from the bucket. One process at a time
-//! uses a folder.
+//! A file is named by its key and proved on every reading; one that is damaged is removed, and its content fetched or
+//! computed again. A file's time of change is when it was last used, so that the order outlives the process. Without
+//! room or rights on the disk nothing is kept. One process at a time uses a folder.
 
 use std::collections::{BTreeMap, HashMap};
+use std::fmt::{Debug, Display};
 use std::fs::{self, File};
+use std::hash::Hash;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
@@ -17,27 +20,45 @@ use bytes::Bytes;
 
 use super::blob_name::BlobName;
 
+/// What a cached content is known by. Its text is the name of the file: it comes back from it, and has no `#`.
+pub(super) trait Key: Copy + Ord + Hash + Debug + Display + FromStr + Send + Sync + 'static {
+    /// Whether a file's content is what was kept under this key.
+    fn is_proved_by(&self, content: &[u8]) -> bool;
+}
+
+impl Key for BlobName {
+    fn is_proved_by(&self, content: &[u8]) -> bool {
+        Self::of(content) == *self
+    }
+}
+
 /// The cache; copies share it.
-#[derive(Debug, Clone)]
-pub(super) struct Cache {
-    inner: Arc<Inner>,
+#[derive(Debug)]
+pub(super) struct Cache<K> {
+    inner: Arc<Inner<K>>,
+}
+
+impl<K> Clone for Cache<K> {
+    fn clone(&self) -> Self {
+        Self { inner: Arc::clone(&self.inner) }
+    }
 }
 
 #[derive(Debug)]
-struct Inner {
+struct Inner<K> {
     folder: PathBuf,
     limit_bytes: u64,
-    index: Mutex<Index>,
+    index: Mutex<Index<K>>,
     /// Makes the names of unfinished files differ.
     writes: AtomicU64,
     warned: AtomicBool,
 }
 
-/// The finished files in the folder, by name and by use; its lock is held while one is added or removed.
-#[derive(Debug, Default)]
-struct Index {
-    entries: HashMap<BlobName, Entry>,
-    by_use: BTreeMap<u64, BlobName>,
+/// The finished files in the folder, by key and by use; its lock is held while one is added or removed.
+#[derive(Debug)]
+struct Index<K> {
+    entries: HashMap<K, Entry>,
+    by_use: BTreeMap<u64, K>,
     uses: u64,
     /// The bytes of the entries and of what is being written.
     bytes: u64,
@@ -49,8 +70,14 @@ struct Entry {
     used: u64,
 }
 
-impl Index {
-    fn insert(&mut self, name: BlobName, bytes: u64) {
+impl<K> Default for Index<K> {
+    fn default() -> Self {
+        Self { entries: HashMap::new(), by_use: BTreeMap::new(), uses: 0, bytes: 0 }
+    }
+}
+
+impl<K: Key> Index<K> {
+    fn insert(&mut self, name: K, bytes: u64) {
         self.uses += 1;
         let entry = Entry { bytes, used: self.uses };
         self.by_use.insert(entry.used, name);
@@ -60,7 +87,7 @@ impl Index {
         }
     }
 
-    fn touch(&mut self, name: &BlobName) {
+    fn touch(&mut self, name: &K) {
         if let Some(entry) = self.entries.get_mut(name) {
             self.by_use.remove(&entry.used);
             self.uses += 1;
@@ -69,7 +96,7 @@ impl Index {
         }
     }
 
-    fn remove(&mut self, name: &BlobName) {
+    fn remove(&mut self, name: &K) {
         if let Some(entry) = self.entries.remove(name) {
             self.by_use.remove(&entry.used);
             self.bytes -= entry.bytes;
@@ -77,7 +104,7 @@ impl Index {
     }
 }
 
-impl Cache {
+impl<K: Key> Cache<K> {
     /// Opens the folder, creating it where needed, and brings it within the limit.
     pub(super) async fn open(folder: &Path, limit_bytes: u64) -> Self {
         let inner = Arc::new(Inner {
@@ -92,24 +119,36 @@ impl Cache {
         cache
     }
 
-    /// A cached blob whose content was verified.
-    pub(super) async fn get(&self, name: BlobName) -> Option<Bytes> {
+    /// A cached content, proved.
+    pub(super) async fn get(&self, name: K) -> Option<Bytes> {
         self.run(move |inner| inner.get(&name)).await.flatten()
     }
 
-    /// Caches a blob, whose name the caller has verified.
-    pub(super) async fn keep(&self, name: BlobName, content: Bytes) {
+    /// Caches a content that proves its key.
+    pub(super) async fn keep(&self, name: K, content: Bytes) {
         self.run(move |inner| inner.keep(name, &content)).await;
     }
 
+    /// The keys of all that is kept, in their order.
+    pub(super) fn keys(&self) -> Vec<K> {
+        let mut keys: Vec<K> = self.inner.index().entries.keys().copied().collect();
+        keys.sort_unstable();
+        keys
+    }
+
+    /// Removes what is kept under these keys.
+    pub(super) async fn remove(&self, names: Vec<K>) {
+        self.run(move |inner| names.iter().for_each(|name| inner.remove(name))).await;
+    }
+
     /// Runs work on files outside the async threads; none when the runtime is shutting down.
-    async fn run<T: Send + 'static>(&self, work: impl FnOnce(&Inner) -> T + Send + 'static) -> Option<T> {
+    async fn run<T: Send + 'static>(&self, work: impl FnOnce(&Inner<K>) -> T + Send + 'static) -> Option<T> {
         let inner = Arc::clone(&self.inner);
         tokio::task::spawn_blocking(move || work(&inner)).await.ok()
     }
 }
 
-impl Inner {
+impl<K: Key> Inner<K> {
     fn open(&self) {
         if let Err(error) = self.scan() {
             self.warn(&error);
@@ -126,7 +165,7 @@ impl Inner {
             let file_name = entry.file_name();
             let file_name = file_name.to_string_lossy();
             let metadata = entry.metadata()?;
-            if let Ok(name) = file_name.parse::<BlobName>() {
+            if let Ok(name) = file_name.parse::<K>() {
                 found.push((metadata.modified()?, name, metadata.len()));
             } else if file_name.contains('#') {
                 fs::remove_file(entry.path()).ok();
@@ -141,7 +180,7 @@ impl Inner {
         Ok(())
     }
 
-    fn get(&self, name: &BlobName) -> Option<Bytes> {
+    fn get(&self, name: &K) -> Option<Bytes> {
         let path = self.path(name);
         let content = match fs::read(&path) {
             Ok(content) => Bytes::from(content),
@@ -157,10 +196,8 @@ impl Inner {
                 return None;
             }
         };
-        if BlobName::of(&content) != *name {
-            let mut index = self.index();
-            index.remove(name);
-            fs::remove_file(&path).ok();
+        if !name.is_proved_by(&content) {
+            self.remove(name);
             return None;
         }
         self.index().touch(name);
@@ -169,7 +206,7 @@ impl Inner {
         Some(content)
     }
 
-    fn keep(&self, name: BlobName, content: &[u8]) {
+    fn keep(&self, name: K, content: &[u8]) {
         let bytes = content.len() as u64;
         let is_kept = self.index().entries.contains_key(&name);
         if is_kept || !self.make_room(bytes) {
@@ -201,27 +238,37 @@ impl Inner {
             // None when other calls are writing all of it, and exceed the limit for a moment.
             let Some((_, name)) = index.by_use.pop_first() else { break };
             index.remove(&name);
-            if let Err(error) = fs::remove_file(self.path(&name))
-                && error.kind() != io::ErrorKind::NotFound
-            {
-                self.warn(&error);
-            }
+            self.remove_file(&name);
         }
         true
     }
 
-    fn path(&self, name: &BlobName) -> PathBuf {
+    fn remove(&self, name: &K) {
+        let mut index = self.index();
+        index.remove(name);
+        self.remove_file(name);
+    }
+
+    fn remove_file(&self, name: &K) {
+        if let Err(error) = fs::remove_file(self.path(name))
+            && error.kind() != io::ErrorKind::NotFound
+        {
+            self.warn(&error);
+        }
+    }
+
+    fn path(&self, name: &K) -> PathBuf {
         self.folder.join(name.to_string())
     }
 
-    fn index(&self) -> std::sync::MutexGuard<'_, Index> {
+    fn index(&self) -> std::sync::MutexGuard<'_, Index<K>> {
         self.index.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn warn(&self, error: &io::Error) {
         if !self.warned.swap(true, Ordering::Relaxed) {
             let folder = self.folder.display();
-            tracing::warn!(%folder, %error, "the cache of blobs can't be used: every blob is read from the bucket");
+            tracing::warn!(%folder, %error, "a cache can't be used: what it would keep is fetched or computed each time");
         }
     }
 }

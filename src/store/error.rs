@@ -51,7 +51,7 @@ pub enum CatalogueError {
     #[error("the job was asked to end")]
     CancelRequested,
     /// A filter that must name something names nothing: absent never means all.
-    #[error("the filter names no label, no robot and no time")]
+    #[error("the filter names no label, no robot and no time, nor whether negative")]
     EmptyFilter,
     /// What was read can't have been written by this program.
     #[error("the catalogue is corrupt: {what}")]

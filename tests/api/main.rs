@@ -5,6 +5,7 @@
 
 mod app;
 mod depth_pictures;
+mod descriptions;
 mod pictures;
 mod process;
 mod waits;
@@ -23,11 +24,13 @@ mod jobs;
 mod keys;
 mod limits;
 mod main_job;
+mod negatives;
 mod objects;
 mod placements;
 mod problems;
 mod restarts;
 mod segmentations;
+mod self_check;
 mod service;
 mod swaps;
 mod tls;

@@ -96,7 +96,7 @@ async fn impossible_names_numbers_and_fields_are_unprocessable_and_pointed_to() 
         (picture("/v1/databases/lab/exemplars?label=.."), "#label"),
         (picture("/v1/databases/lab/exemplars?label="), "#label"),
         (picture("/v1/databases/lab/exemplars?label=a%00"), "#label"),
-        (picture("/v1/databases/lab/exemplars"), "#query"),
+        (picture("/v1/databases/lab/exemplars"), "#label"),
         (picture("/v1/databases/lab/exemplars?label=a&posed_deg=5"), "#posed_deg"),
         (picture("/v1/databases/lab/exemplars?label=a&pose_deg=NaN"), "#pose_deg"),
         (picture("/v1/databases/lab/exemplars?label=a&pose_deg=inf"), "#pose_deg"),

@@ -146,15 +146,17 @@ class Client:
     def teach(
         self,
         database: str,
-        label: str,
+        label: str | None,
         picture: Picture,
         pose_deg: float | None = None,
         *,
+        negative: bool = False,
         frame_id: str | None = None,
         stamp: str | None = None,
     ) -> ExemplarBody:
         """Add a training image: what is seen (`label`) and, for objects, how it is turned, in degrees [0, 360).
 
+        With `negative=True` and `None` for the label the picture shows nothing known: what looks like it is background.
         The same again is the same exemplar. It is learnt by the next training.
         """
         image = upload(picture)
@@ -164,7 +166,8 @@ class Client:
                 database,
                 client=self.generated,
                 body=image,
-                label=label,
+                label=wanted(label),
+                negative=wanted(negative or None),
                 pose_deg=wanted(pose_deg),
                 **self._header(frame_id, stamp),
             ),
@@ -176,6 +179,7 @@ class Client:
         *,
         options: Mapping[str, Any] | None = None,
         promote: Literal["always", "if_not_worse", "never"] = "always",
+        calibration: Literal["wait", "background", "none"] | None = None,
         wait: bool = True,
         on_progress: Callable[[Job], None] | None = None,
     ) -> Job:
@@ -185,6 +189,7 @@ class Client:
             database: its name.
             options: put over the database's for this training.
             promote: whether the alias `current` moves to the new version.
+            calibration: of landmarks, whether the version is asked about its own pictures before it is published, after, or not.
             wait: until the job has ended; otherwise follow it with `follow`.
             on_progress: called with the job as often as it changes.
 
@@ -192,7 +197,7 @@ class Client:
             JobFailed: it failed or was cancelled.
 
         """
-        body = NewTraining(Options.of(options), promote)
+        body = NewTraining(options=Options.of(options), promote=promote, calibration=wanted(calibration))
         begun = self._typed(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
         return self.follow(str(begun.id), on_progress) if wait else Job.of(begun)
 

@@ -21,6 +21,8 @@ def test_training_tells_its_progress(client: Client) -> None:
     first = client.teach("progress", "one", room(5), frame_id="a")
     assert client.teach("progress", "one", room(5)).id == first.id
     client.teach("progress", "two", room(6))
+    background = client.teach("progress", None, room(7), negative=True)
+    assert (background.label, background.negative) == (None, True)
     seen: list[Job] = []
     job = client.train("progress", on_progress=seen.append)
     assert (job.state, job.version) == ("succeeded", 1)

@@ -30,7 +30,8 @@ pub(super) struct LandmarkHeader {
 #[derive(Serialize, Deserialize)]
 struct ExemplarDocument {
     id: String,
-    label: String,
+    /// Null: a negative exemplar.
+    label: Option<String>,
     width_px: u32,
     height_px: u32,
     points: usize,
@@ -109,8 +110,10 @@ pub(super) fn assemble(
         confidence: header.confidence.map(Confidence::from),
         owner,
     };
-    let named =
-        |exemplar: &Exemplar| Name::parse(&exemplar.label).is_ok() && Uuid::try_parse(&exemplar.id).is_ok();
+    let named = |exemplar: &Exemplar| {
+        (exemplar.is_negative() || Name::parse(&exemplar.label).is_ok())
+            && Uuid::try_parse(&exemplar.id).is_ok()
+    };
     if !parts.exemplars.iter().all(named) {
         return Err(ArtifactError::Contents);
     }
@@ -138,7 +141,7 @@ fn exemplars(documents: Vec<ExemplarDocument>, edges: &[f32]) -> Result<Vec<Exem
         };
         exemplars.push(Exemplar {
             id: document.id,
-            label: document.label,
+            label: document.label.unwrap_or_default(),
             width_px: document.width_px,
             height_px: document.height_px,
             windows: document.points,
@@ -157,7 +160,7 @@ impl From<&Exemplar> for ExemplarDocument {
     fn from(exemplar: &Exemplar) -> Self {
         Self {
             id: exemplar.id.clone(),
-            label: exemplar.label.clone(),
+            label: (!exemplar.is_negative()).then(|| exemplar.label.clone()),
             width_px: exemplar.width_px,
             height_px: exemplar.height_px,
             points: exemplar.windows,

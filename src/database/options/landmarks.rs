@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::present_or_null;
 use crate::database::words::words;
 use landmarkd_core::recognition::landmarks::{
-    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Signature, Taper, Viewpoint,
+    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Preset, Signature, Taper, Viewpoint,
 };
 
 words!(
@@ -44,6 +44,12 @@ words!(
     /// What signatures are made of: the directions of the gradient in windows of a scale space (`gradient`), or the
     /// intensities of windows of one to four radii (`intensity`), as the paper has it.
     SignatureWord, Signature, { Gradient, Intensity }
+);
+
+words!(
+    /// What the database is for: places seen by a camera on wheels (`rooms`), things turned as they may be (`things`), or
+    /// flat ones such as pictures and boxes (`flat`, which needs no other options than `things`).
+    PresetWord, Preset, { Rooms, Things, Flat }
 );
 
 /// A radius, or one to four different ones, the smallest first.
@@ -148,6 +154,12 @@ options_document!(
         #[schema(minimum = 1e-9, maximum = 1)]
         #[serde(skip_serializing_if = "Option::is_none")]
         false_alarms: f64,
+    },
+    in requests: {
+        /// Starts from the options that go with it, whatever the database's are; other members are put over them. Answers have
+        /// the options that it stands for.
+        #[schema(required = false)]
+        preset: PresetWord,
     }
 );
 
@@ -184,9 +196,10 @@ impl LandmarkOptionsDocument {
             || matches!(self.subwindow_radii_px, Some(RadiiDocument::Several(_)))
     }
 
-    /// The options `base` changed by this document: one that names another method, viewpoint or signature starts from
+    /// The options `base`, or those of the preset, changed by this document: one that names another method, viewpoint or signature starts from
     /// the defaults of these. Options that only signatures of intensity have imply these.
     pub fn patch(self, base: LandmarkOptions) -> LandmarkOptions {
+        let base = self.preset.map_or(base, |preset| Preset::from(preset).options());
         let method = self.method.map_or(base.method, Method::from);
         let viewpoint = self.viewpoint.map_or(base.viewpoint, Viewpoint::from);
         let of_method = if method == base.method {

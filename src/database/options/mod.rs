@@ -5,22 +5,26 @@
 //! so its names never change meaning. One file a kind, one for segmentations.
 
 /// Declares the document of options: a member for each option, of a type that converts to and from the option's, absent
-/// or present.
+/// or present. Members that only requests have come last: they are no options, and absent from kept documents and answers.
 macro_rules! options_document {
     (
         $(#[$doc:meta])*
         $name:ident as $schema:ident, $options:ident, { $($(#[$attribute:meta])* $option:ident: $type:ty),+ $(,)? }
+        $(, in requests: { $($(#[$asked_attribute:meta])* $asked:ident: $asked_type:ty),+ $(,)? })?
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
         #[schema(as = $schema)]
         #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$attribute])* $option: Option<$type>),+ }
+        pub struct $name {
+            $($(#[$attribute])* $option: Option<$type>,)+
+            $($($(#[$asked_attribute])* #[serde(skip_serializing_if = "Option::is_none")] $asked: Option<$asked_type>,)+)?
+        }
 
-        /// Every member is present.
+        /// Every option is present.
         impl From<$options> for $name {
             fn from(options: $options) -> Self {
-                Self { $($option: Some(options.$option.into())),+ }
+                Self { $($option: Some(options.$option.into()),)+ $($($asked: None,)+)? }
             }
         }
 
@@ -44,7 +48,7 @@ use utoipa::openapi::{Ref, RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use landmarkd_core::recognition::OptionFault;
-use landmarkd_core::recognition::landmarks::LandmarkOptions;
+use landmarkd_core::recognition::landmarks::{LandmarkOptions, Signature};
 use landmarkd_core::recognition::objects::ObjectOptions;
 
 pub use landmarks::LandmarkOptionsDocument;
@@ -132,6 +136,14 @@ impl Options {
         let members: Map<String, Value> = serde_json::from_str(text).map_err(malformed)?;
         refuse_null(&members).map_err(malformed)?;
         options.usable()
+    }
+
+    /// Whether signatures are of gradients: then negative exemplars are of use, and no calibration is needed to decide.
+    pub fn have_gradients(&self) -> bool {
+        match self {
+            Self::Landmarks(options) => options.signature == Signature::Gradient,
+            Self::Objects(_) => false,
+        }
     }
 
     /// Everything that is wrong with the options, all at once; empty if they can be used.
@@ -239,7 +251,7 @@ pub enum DocumentError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::recognition::landmarks::{Colour, Method, Signature, Taper, Viewpoint};
+    use landmarkd_core::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
     use landmarkd_core::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
 
     fn intensity(viewpoint: Viewpoint) -> LandmarkOptions {

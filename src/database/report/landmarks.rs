@@ -30,7 +30,8 @@ pub struct LandmarkReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reliability: Option<Option<ReliabilityReport>>,
     /// What the training has to say: `not_calibrated` if no exemplar was recognised when it was seen otherwise, so that
-    /// answers have no confidence.
+    /// answers have no confidence; `not_checked` if the version was published before it was asked about its own pictures, and
+    /// that isn't done: it is being done, or its job ended before.
     #[schema(value_type = Vec<String>, required = true)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warnings: Option<Vec<String>>,
@@ -43,6 +44,20 @@ pub struct LandmarkReport {
     #[schema(value_type = Option<VerdictReport>)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Option<VerdictReport>>,
+    /// Where it was trained here: where the descriptions of its exemplars came from.
+    #[schema(value_type = Option<DescriptionsReport>)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub descriptions: Option<Option<DescriptionsReport>>,
+}
+
+/// Where the descriptions of a training's exemplars came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = DescriptionsBody)]
+pub struct DescriptionsReport {
+    /// Pictures that were described.
+    pub computed: u64,
+    /// Pictures whose description an earlier training had left on this machine.
+    pub kept: u64,
 }
 
 /// What the version answered when its exemplars were shown turned, moved, on other ground and partly hidden: as they
@@ -84,6 +99,7 @@ impl LandmarkReport {
     pub(super) fn complete(&mut self) {
         self.reliability.get_or_insert_default();
         self.verdict.get_or_insert_default();
+        self.descriptions.get_or_insert_default();
         self.warnings.get_or_insert_default();
     }
 }
@@ -127,6 +143,7 @@ impl From<&TrainingReport> for LandmarkReport {
             warnings: None,
             timings_ms: None,
             verdict: None,
+            descriptions: None,
         }
     }
 }

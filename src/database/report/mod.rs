@@ -11,11 +11,14 @@ mod verdict;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-pub use landmarks::{LandmarkReport, ReliabilityReport};
+pub use landmarks::{DescriptionsReport, LandmarkReport, ReliabilityReport};
 pub use objects::ObjectsReport;
 pub use verdict::VerdictReport;
 
 use super::Kind;
+
+/// The warning of a version that isn't asked about its own pictures yet.
+const NOT_CHECKED: &str = "not_checked";
 
 /// What a training told of itself, by the kind of its database.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -65,6 +68,39 @@ impl Report {
         self
     }
 
+    /// The same with where the exemplars' descriptions came from, which an artifact doesn't have either.
+    pub fn with_descriptions(mut self, descriptions: Option<DescriptionsReport>) -> Self {
+        if let Self::Landmarks(report) = &mut self {
+            report.descriptions = descriptions.map(Some);
+        }
+        self
+    }
+
+    /// The same of a version that is still to be asked about its own pictures. An artifact doesn't say so.
+    pub fn not_checked(mut self) -> Self {
+        if let Self::Landmarks(report) = &mut self {
+            report.warnings.get_or_insert_default().push(NOT_CHECKED.into());
+        }
+        self
+    }
+
+    /// The same with what the version says of its own pictures, and the milliseconds that asking took.
+    pub fn checked(mut self, verdict: VerdictReport, took_ms: f64) -> Self {
+        if let Self::Landmarks(report) = &mut self {
+            report.verdict = Some(Some(verdict));
+            report.warnings.iter_mut().for_each(|warnings| warnings.retain(|warning| warning != NOT_CHECKED));
+        }
+        if let Some(Some(timings)) = self.timings_ms() {
+            timings.rehearsal = Some(Some(took_ms));
+        }
+        self
+    }
+
+    /// Whether it says how well the version knows its own pictures.
+    pub fn has_verdict(&self) -> bool {
+        matches!(self, Self::Landmarks(report) if report.verdict.as_ref().is_some_and(Option::is_some))
+    }
+
     /// The same with every member present, as answers have it.
     pub fn complete(mut self) -> Self {
         match &mut self {
@@ -102,7 +138,12 @@ mod tests {
         let kept_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5}"#;
         let all_timings = r#","timings_ms":{"describe":1.0,"eigenspace":2.5,"rehearsal":null}"#;
         for (kind, text, empty, last) in [
-            (Kind::Landmarks, LANDMARKS, r#","reliability":null,"warnings":[]"#, r#","verdict":null"#),
+            (
+                Kind::Landmarks,
+                LANDMARKS,
+                r#","reliability":null,"warnings":[]"#,
+                r#","verdict":null,"descriptions":null"#,
+            ),
             (Kind::Objects, OBJECTS, r#","touches_border":[],"several_regions":[]"#, ""),
         ] {
             let report = Report::from_document(kind, text).unwrap();

@@ -118,6 +118,33 @@ mod tests {
     }
 
     #[test]
+    fn a_preset_is_where_options_start_from_and_other_members_are_put_over_it() {
+        let kept =
+            LandmarkOptions { interest_points: 16, ..LandmarkOptions::of(Method::Paper, Viewpoint::Free) };
+        let of = |viewpoint| LandmarkOptions::of(Method::Placement, viewpoint);
+        for (preset, viewpoint) in
+            [("rooms", Viewpoint::Upright), ("things", Viewpoint::Free), ("flat", Viewpoint::Free)]
+        {
+            assert_eq!(landmarks(kept.clone(), json!({"preset": preset})).unwrap(), of(viewpoint));
+        }
+        let body = json!({"preset": "rooms", "turn_prior_deg": 10, "dimension": 8});
+        let rooms = LandmarkOptions { turn_prior_deg: Some(10.0), dimension: 8, ..of(Viewpoint::Upright) };
+        assert_eq!(landmarks(kept.clone(), body).unwrap(), rooms);
+        let free = json!({"preset": "rooms", "viewpoint": "free"});
+        assert_eq!(landmarks(kept.clone(), free).unwrap(), of(Viewpoint::Free));
+        let shown = serde_json::to_value(LandmarkOptionsDocument::from(rooms)).unwrap();
+        assert_eq!(shown.get("preset"), None);
+
+        let problem = landmarks(kept, json!({"preset": "street"})).unwrap_err();
+        assert_eq!(problem.errors[0].pointer, "/options/preset");
+        for preset in ["rooms", "things", "flat"] {
+            assert!(problem.detail.contains(preset), "{}", problem.detail);
+        }
+        let of_objects = objects(ObjectOptions::default(), json!({"preset": "rooms"})).unwrap_err();
+        assert_eq!(of_objects.errors[0].pointer, "/options/preset");
+    }
+
+    #[test]
     fn a_radius_or_several_are_taken_and_shown() {
         for (given, radii_px) in [(json!(7), vec![7.0]), (json!([6, 9.5]), vec![6.0, 9.5])] {
             let options =

@@ -68,7 +68,8 @@ pub struct GuessBody {
 /// Why a decision is null.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ReasonBody {
-    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `unlike_anything`.
+    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `known_background`,
+    /// `unlike_anything`.
     pub code: &'static str,
     /// What was seen.
     pub detail: String,
@@ -159,8 +160,8 @@ pub struct PointBody {
     pub salience: f32,
     /// Id of the exemplar that it votes for, or whose eigenpoint is nearest.
     pub exemplar: String,
-    /// Its label.
-    pub label: String,
+    /// Its label; null where the exemplar is negative.
+    pub label: Option<String>,
     /// Distance D in the eigenspace.
     pub distance: f64,
     /// Its part of W: 0 where it counts for nothing; with the paper's method 1/(D+ε).
@@ -206,7 +207,7 @@ pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &m
             y_px: vote.y_px,
             salience: vote.salience,
             exemplar: exemplar.id.clone(),
-            label: exemplar.label.clone(),
+            label: (!exemplar.is_negative()).then(|| exemplar.label.clone()),
             distance: vote.distance,
             weight: vote.weight,
         }

@@ -189,7 +189,7 @@ impl BeliefBody {
             probability: believed.probability,
             exemplar: track.exemplars[believed.exemplar].id.clone(),
         });
-        Self { decision, belief: belief.collect(), elsewhere: track.belief.elsewhere() }
+        Self { decision, belief: belief.collect(), elsewhere: track.belief.unknown(&track.exemplars) }
     }
 }
 

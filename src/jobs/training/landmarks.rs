@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use super::{SelfCheck, Trained, rounds_of};
+use super::{SelfCheck, Trained, describing, rounds_of};
 use crate::database::{
-    Counts, ExemplarRow, LandmarkReport, Model, ReliabilityReport, Report, TrainingTimings, VerdictReport,
+    Counts, DescriptionsReport, ExemplarRow, LandmarkReport, LoadedVersion, Model, ReliabilityReport, Report,
+    TrainingTimings, VerdictReport,
 };
 use crate::jobs::stop::Stop;
 use crate::jobs::worker::Worker;
@@ -13,30 +14,30 @@ use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::landmarks::{
     CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, LeftOut, Reliability,
-    Signature, calibration_samples, describe, exemplars_to_leave_out, left_out, synthetic_views,
+    Signature, TrainingError, calibration_samples, exemplars_to_leave_out, left_out, synthetic_views,
 };
 
 /// The warning of a version without confidence: its samples allow no calibration.
 const NOT_CALIBRATED: &str = "not_calibrated";
 
-/// Trains the exemplars; returns the times of the stages too.
+/// Trains the exemplars; returns the times of the stages too, and where the descriptions came from.
 pub(super) async fn train(
     worker: &Worker<'_>,
     exemplars: Vec<ExemplarRow>,
     options: LandmarkOptions,
     calibration: SelfCheck,
-) -> Result<(Trained, TrainingTimings), Stop> {
+) -> Result<(Trained, TrainingTimings, DescriptionsReport), Stop> {
     let options = Arc::new(options);
-    let with = Arc::clone(&options);
-    let describe = move |_: usize, row: &ExemplarRow, frame: &_| {
-        let mut described = describe(name(row), frame, &with);
-        (described.exemplar.width_px, described.exemplar.height_px) = (row.width_px, row.height_px);
-        Ok(described)
-    };
-    let (described, describe_ms) =
-        worker.each("describing", exemplars.clone(), options.working_size_px, describe).await?;
+    let (described, descriptions, describe_ms) =
+        describing::described(worker, exemplars.clone(), &options).await?;
     let fit = move || {
-        Landmarks::train(described, &options).map_err(|error| Stop::failed(Code::TooFewPoints, chain(&error)))
+        Landmarks::train(described, &options).map_err(|error| {
+            let code = match error {
+                TrainingError::NoLabels => Code::NoExemplars,
+                _ => Code::TooFewPoints,
+            };
+            Stop::failed(code, chain(&error))
+        })
     };
     let ((model, report), eigenspace_ms) = worker.alone("eigenspace", fit).await?;
     let counts = Counts {
@@ -47,12 +48,14 @@ pub(super) async fn train(
     let mut report = LandmarkReport::from(&report);
     let mut rehearsal = None;
     let model = match (calibration, model.options().signature) {
-        (SelfCheck::None, _) => model,
+        (SelfCheck::None | SelfCheck::Background, _) => model,
         (SelfCheck::Wait, Signature::Gradient) => {
-            let (model, left_out, took_ms) = leave_one_out(worker, &exemplars, model).await?;
-            report.verdict = Some(Some(VerdictReport::of(&left_out)));
-            rehearsal = Some(took_ms);
-            model
+            let asked = Arc::new(model);
+            let checked =
+                verdict(worker, "calibrating", &exemplars, &asked, |model: &Landmarks| Some(model)).await?;
+            (report.verdict, rehearsal) = checked.map(|(verdict, took_ms)| (Some(verdict), took_ms)).unzip();
+            Arc::into_inner(asked)
+                .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after it was asked"))?
         }
         (SelfCheck::Wait, Signature::Intensity) => {
             let (model, reliability, took_ms) = calibrate(worker, &exemplars, model).await?;
@@ -69,25 +72,37 @@ pub(super) async fn train(
     let timings =
         TrainingTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: Some(rehearsal) };
     let (model, report) = (Model::Landmarks(Box::new(model)), Report::Landmarks(Box::new(report)));
-    Ok((Trained { model, report, counts }, timings))
+    Ok((Trained { model, report, counts }, timings, descriptions))
 }
 
-/// The model, what it says of each picture of its exemplars with that left out, and the milliseconds that this took.
-async fn leave_one_out(
+/// The model of a version, if it is one of landmarks.
+pub(super) fn model_of(version: &LoadedVersion) -> Option<&Landmarks> {
+    match &version.model {
+        Model::Landmarks(model) => Some(model),
+        Model::Objects(_) => None,
+    }
+}
+
+/// What a model says of each picture of its exemplars with that left out, and the milliseconds that this took; `None` if
+/// `held` has no model of landmarks.
+pub(super) async fn verdict<M: Send + Sync + 'static>(
     worker: &Worker<'_>,
+    stage: &str,
     exemplars: &[ExemplarRow],
-    model: Landmarks,
-) -> Result<(Landmarks, Vec<LeftOut>, f64), Stop> {
-    let asked = Arc::new(model);
-    let chosen = exemplars_to_leave_out(&asked);
-    let ids: Vec<&str> = chosen.iter().map(|&index| asked.exemplars()[index].id.as_str()).collect();
+    held: &Arc<M>,
+    model_of: fn(&M) -> Option<&Landmarks>,
+) -> Result<Option<(VerdictReport, f64)>, Stop> {
+    let Some(model) = model_of(held) else { return Ok(None) };
+    let chosen = exemplars_to_leave_out(model);
+    let ids: Vec<&str> = chosen.iter().map(|&index| model.exemplars()[index].id.as_str()).collect();
     let (rows, _) = rounds_of(&ids, 1, exemplars);
-    let (with, longer_side_px) = (Arc::clone(&asked), asked.options().working_size_px);
-    let ask = move |_: usize, row: &ExemplarRow, frame: &_| Ok(left_out(&with, &row.id.to_string(), frame));
-    let (left_out, took_ms) = worker.each("calibrating", rows, longer_side_px, ask).await?;
-    let model = Arc::into_inner(asked)
-        .ok_or_else(|| Stop::failed(Code::Internal, "the model is still in use after it was asked"))?;
-    Ok((model, left_out.into_iter().flatten().collect(), took_ms))
+    let (with, longer_side_px) = (Arc::clone(held), model.options().working_size_px);
+    let ask = move |_: usize, row: &ExemplarRow, frame: &_| {
+        Ok(model_of(&with).and_then(|model| left_out(model, &row.id.to_string(), frame)))
+    };
+    let (left_out, took_ms) = worker.each(stage, rows, longer_side_px, ask).await?;
+    let left_out: Vec<LeftOut> = left_out.into_iter().flatten().collect();
+    Ok(Some((VerdictReport::of(&left_out), took_ms)))
 }
 
 /// The model with its confidence calibrated on synthetic views of the exemplars, how reliable it is, and the milliseconds

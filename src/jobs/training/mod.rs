@@ -4,6 +4,7 @@
 //! The order of the writes is the protocol: the artifact's blob, read back and checked; then, in one transaction,
 //! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
 
+mod describing;
 mod gate;
 mod landmarks;
 mod objects;
@@ -21,10 +22,10 @@ use super::worker::Worker;
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, LoadedVersion,
-    Model, Options, Report, TrainingTimings, inputs_digest,
+    Model, Options, Report, TrainingTimings, VersionRow, inputs_digest,
 };
 use crate::problem::Code;
-use crate::store::CatalogueError;
+use crate::store::{CatalogueError, NewVersion};
 use crate::telemetry::chain;
 pub use gate::VersionComparison;
 pub use objects::UnfitExemplars;
@@ -55,6 +56,9 @@ pub enum SelfCheck {
     /// It is: the report has a verdict, or with signatures of intensity the reliability of confidences.
     #[default]
     Wait,
+    /// It is asked afterwards: the version is published as soon as its eigenspace stands, the job goes on, and the verdict is
+    /// added to the report of the version, not to its artifact. Signatures of gradients only.
+    Background,
     /// It isn't: the version is published as soon as its eigenspace stands. With signatures of intensity its answers have
     /// no confidence.
     None,
@@ -108,6 +112,11 @@ struct Inputs {
 }
 
 impl Inputs {
+    /// Whether the version is asked about its own pictures after it is published.
+    fn is_checked_afterwards(&self) -> bool {
+        self.params.calibration == SelfCheck::Background && self.params.options.have_gradients()
+    }
+
     async fn read(job: &JobRow, databases: &Databases) -> Result<Self, Stop> {
         let not_found = |what: String| CatalogueError::NotFound { what };
         let name = job.database.clone().ok_or_else(|| not_found("the database of a training".into()))?;
@@ -131,6 +140,10 @@ impl Inputs {
 /// Trains, publishes, and ends the job with the version's number.
 pub(super) async fn run(worker: &Worker<'_>, job: &JobRow) -> Result<i64, Stop> {
     let inputs = Inputs::read(job, worker.databases).await?;
+    // published before its process died: where the alias is by now is none of this job's business
+    if let Some(version) = job.version {
+        return check_published(worker, &inputs, version).await;
+    }
     if let Some(version) = reuse(worker, &inputs).await? {
         return Ok(version);
     }
@@ -153,6 +166,9 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
         Err(error) => return Err(error.into()),
     };
     let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
+    if inputs.is_checked_afterwards() && !report_of(&found)?.has_verdict() {
+        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await.map(Some);
+    }
     let _publishing = lease.publishing().await;
     let (number, comparison) = (Some(found.version), comparison.as_deref());
     databases.catalogue.succeed_job(lease.id, lease.token, number, alias, comparison).await?;
@@ -163,17 +179,26 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
 /// The artifact of the exemplars, with its file.
 async fn train(worker: &Worker<'_>, inputs: &Inputs) -> Result<(Artifact, Bytes), Stop> {
     let rows = inputs.exemplars.clone();
-    let (trained, timings) = match inputs.params.options.clone() {
+    let (trained, timings, descriptions) = match inputs.params.options.clone() {
         Options::Landmarks(options) => {
-            landmarks::train(worker, rows, options, inputs.params.calibration).await?
+            let (trained, timings, descriptions) =
+                landmarks::train(worker, rows, options, inputs.params.calibration).await?;
+            (trained, timings, Some(descriptions))
         }
-        Options::Objects(options) => objects::train(worker, rows, options).await?,
+        Options::Objects(options) => {
+            let (trained, timings) = objects::train(worker, rows, options).await?;
+            (trained, timings, None)
+        }
     };
     let (started, digest) = (Instant::now(), inputs.digest.clone());
     let (mut artifact, bytes) = worker.run(0, move || trained.into_artifact(digest)).await?;
     let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
-    // The file is without the timings: the same inputs give the same bytes.
-    artifact.report = artifact.report.timed(TrainingTimings { eigenspace, ..timings });
+    // The file is without these: the same inputs give the same bytes.
+    let timings = TrainingTimings { eigenspace, ..timings };
+    artifact.report = artifact.report.timed(timings).with_descriptions(descriptions);
+    if inputs.is_checked_afterwards() {
+        artifact.report = artifact.report.not_checked();
+    }
     Ok((artifact, bytes))
 }
 
@@ -190,11 +215,60 @@ async fn publish(
     let candidate = databases.registry().load(&inputs.database, 0, &new.digest, &new.blob).await?;
     let Promotion { alias, comparison } = promotion(worker, inputs, candidate).await?;
     lease.check()?;
+    if inputs.is_checked_afterwards() {
+        return publish_early(worker, inputs, &new, alias, comparison).await;
+    }
     let _publishing = lease.publishing().await;
     let comparison = comparison.as_deref();
     let version = databases.catalogue.publish(lease.id, lease.token, &new, alias, comparison).await?;
     serve_now(databases).await;
     Ok(version.version)
+}
+
+/// Publishes the version and then asks it about its own pictures.
+async fn publish_early(
+    worker: &Worker<'_>,
+    inputs: &Inputs,
+    new: &NewVersion,
+    alias: Option<&str>,
+    comparison: Option<String>,
+) -> Result<i64, Stop> {
+    let Worker { lease, databases, .. } = worker;
+    let published = {
+        let _publishing = lease.publishing().await;
+        let (catalogue, comparison) = (&databases.catalogue, comparison.as_deref());
+        let published = catalogue.publish_early(lease.id, lease.token, new, alias, comparison).await?;
+        serve_now(databases).await;
+        published
+    };
+    check_published(worker, inputs, published.version).await
+}
+
+/// Asks a version that is published about its own pictures, and ends the job with the verdict in its report.
+async fn check_published(worker: &Worker<'_>, inputs: &Inputs, version: i64) -> Result<i64, Stop> {
+    let (Worker { lease, databases, .. }, database) = (worker, &inputs.database);
+    let Some(row) = databases.catalogue.version(database, version).await? else {
+        // deleted meanwhile
+        databases.catalogue.succeed_job(lease.id, lease.token, None, None, None).await?;
+        return Ok(version);
+    };
+    let loaded = databases.registry().load(database, version, &row.digest, &row.blob).await?;
+    let mut report = report_of(&row)?;
+    let checked =
+        landmarks::verdict(worker, "checking", &inputs.exemplars, &loaded, landmarks::model_of).await?;
+    if let Some((verdict, took_ms)) = checked {
+        report = report.checked(verdict, took_ms);
+    }
+    let (catalogue, report) = (&databases.catalogue, report.to_document());
+    catalogue.succeed_with_report(lease.id, lease.token, database, version, &report).await?;
+    Ok(version)
+}
+
+/// The report that is kept with a version.
+fn report_of(row: &VersionRow) -> Result<Report, Stop> {
+    let kind = Kind::parse(&row.kind).unwrap_or(Kind::Landmarks);
+    Report::from_document(kind, &row.report)
+        .map_err(|error| Stop::failed(Code::Internal, format!("the report of the version: {error}")))
 }
 
 /// What becomes of `current` when a version is published.

@@ -178,6 +178,7 @@ mod tests {
             database: "d".into(),
             id: Uuid::new_v8([sha256; 16]),
             label: "cup".into(),
+            negative: false,
             pose_deg: None,
             width_px,
             height_px,

@@ -150,23 +150,51 @@ impl Catalogue {
         comparison: Option<&str>,
     ) -> Result<VersionRow, CatalogueError> {
         transaction!(self, c => {
-            let is_there = databases::lock(c, &new.database).await?;
-            jobs::lock_uncancelled(c, id, token).await?;
-            if !is_there {
-                return Err(CatalogueError::no_database(&new.database));
-            }
-            let (version, is_new) = versions::insert(c, new).await?;
-            if is_new {
-                let entry = NewEntry::new("version.publish").in_database(new.database.as_str()).about(version.version);
-                audit::append(c, &Actor::job(id), entry.with(json!({"digest": new.digest}))).await?;
-            }
-            if let Some(alias) = promote_alias {
-                let any = AliasExpectation::Any;
-                set_alias(c, &new.database, alias, version.version, any, &Actor::job(id)).await?;
-            }
+            let version = insert_version(c, id, token, new, promote_alias).await?;
             let outcome = Outcome { version: Some(version.version), comparison, ..Outcome::default() };
             jobs::succeed(c, id, token, outcome).await?;
             Ok(version)
+        })
+    }
+
+    /// The same for a job that goes on: its version is noted, and stays whatever becomes of the job.
+    ///
+    /// # Errors
+    /// As those of [`Catalogue::publish`].
+    pub async fn publish_early(
+        &self,
+        id: Uuid,
+        token: i64,
+        new: &NewVersion,
+        promote_alias: Option<&str>,
+        comparison: Option<&str>,
+    ) -> Result<VersionRow, CatalogueError> {
+        transaction!(self, c => {
+            let version = insert_version(c, id, token, new, promote_alias).await?;
+            jobs::note_version(c, id, token, version.version, comparison).await?;
+            c.notifies = true;
+            Ok(version)
+        })
+    }
+
+    /// Ends a job with another report for the version that it published early, if that is still there.
+    ///
+    /// # Errors
+    /// `LeaseLost`, `CancelRequested`; then nothing has changed. `Unavailable`, `Corrupt`.
+    pub async fn succeed_with_report(
+        &self,
+        id: Uuid,
+        token: i64,
+        database: &str,
+        version: i64,
+        report: &str,
+    ) -> Result<JobRow, CatalogueError> {
+        transaction!(self, c => {
+            lock_subject(c, id).await?;
+            let outcome = Outcome { version: Some(version), ..Outcome::default() };
+            let job = jobs::succeed(c, id, token, outcome).await?;
+            versions::set_report(c, database, version, report).await?;
+            Ok(job)
         })
     }
 
@@ -288,6 +316,32 @@ impl Catalogue {
         }
         transaction!(self, c => jobs::release_dead_leases(c, except_owner).await)
     }
+}
+
+/// Adds the version of a job that may publish, or finds the one of that digest, and moves the alias if one is named.
+async fn insert_version(
+    connection: &mut Connection<'_>,
+    id: Uuid,
+    token: i64,
+    new: &NewVersion,
+    promote_alias: Option<&str>,
+) -> Result<VersionRow, CatalogueError> {
+    let is_there = databases::lock(connection, &new.database).await?;
+    jobs::lock_uncancelled(connection, id, token).await?;
+    if !is_there {
+        return Err(CatalogueError::no_database(&new.database));
+    }
+    let (version, is_new) = versions::insert(connection, new).await?;
+    if is_new {
+        let entry =
+            NewEntry::new("version.publish").in_database(new.database.as_str()).about(version.version);
+        audit::append(connection, &Actor::job(id), entry.with(json!({"digest": new.digest}))).await?;
+    }
+    if let Some(alias) = promote_alias {
+        let any = AliasExpectation::Any;
+        set_alias(connection, &new.database, alias, version.version, any, &Actor::job(id)).await?;
+    }
+    Ok(version)
 }
 
 /// Locks what a job is about: that comes before the job's own row.

@@ -57,6 +57,26 @@ pub async fn exemplars_are_filtered_and_paged_and_trained_in_one_order(catalogue
     assert_eq!(counts, DatabaseCounts { exemplars: 4, labels: 3, versions: 0 });
 }
 
+pub async fn negative_exemplars_have_no_label_and_are_chosen_by_it(catalogue: Shared) {
+    lab(&catalogue).await;
+    for (number, label) in [(1, "a"), (2, ""), (3, ""), (4, "b")] {
+        let (stored, _) = catalogue.insert_exemplar(&exemplar("lab", number, label)).await.unwrap();
+        assert_eq!((stored.negative, stored.label.as_str()), (label.is_empty(), label));
+    }
+    let counts = catalogue.database_counts("lab").await.unwrap();
+    assert_eq!(counts, DatabaseCounts { exemplars: 4, labels: 2, versions: 0 });
+    let list = async |negative| {
+        let filter = ExemplarFilter { negative, ..ExemplarFilter::default() };
+        let rows = catalogue.exemplars("lab", &filter, None, 9).await.unwrap();
+        rows.iter().map(|row| row.id.as_u128()).collect::<Vec<_>>()
+    };
+    assert_eq!(list(Some(true)).await, [2, 3]);
+    assert_eq!(list(Some(false)).await, [1, 4]);
+    let negative = ExemplarFilter { negative: Some(true), ..ExemplarFilter::default() };
+    assert_eq!(catalogue.delete_exemplars("lab", &negative, by()).await.unwrap(), 2);
+    assert_eq!(list(None).await, [1, 4]);
+}
+
 pub async fn exemplars_are_deleted_one_by_one_or_by_a_filter_that_names_something(catalogue: Shared) {
     lab(&catalogue).await;
     for (number, label) in [(1, "a"), (2, "b"), (3, "b"), (4, "c")] {

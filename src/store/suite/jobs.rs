@@ -167,6 +167,34 @@ pub async fn publishing_moves_version_alias_and_job_together(catalogue: Shared) 
     }
 }
 
+pub async fn a_version_published_early_stays_whatever_becomes_of_its_job(catalogue: Shared) {
+    lab(&catalogue).await;
+    let compared = Some(r#"{"trials":7}"#);
+    for (number, digest) in [(1, "d1"), (2, "d2"), (3, "d3")] {
+        let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;
+        let job = catalogue.claim_job("w", TRAINING, LEASE, 3).await.unwrap().unwrap();
+        let new = artifact("lab", digest);
+        let published =
+            catalogue.publish_early(id, job.token, &new, Some("current"), compared).await.unwrap();
+        assert_eq!(published.version, number);
+        let running = catalogue.job(id).await.unwrap().unwrap();
+        assert_eq!((running.state, running.version), (JobState::Running, Some(number)));
+        assert_eq!(catalogue.aliases("lab").await.unwrap()[0].version, number);
+        let ended = match number {
+            1 => catalogue.succeed_with_report(id, job.token, "lab", 1, r#"{"verdict":{}}"#).await,
+            2 => catalogue.fail_job(id, job.token, "{}").await,
+            _ => catalogue.cancelled_job(id, job.token).await,
+        };
+        let ended = ended.unwrap();
+        assert_eq!((ended.version, ended.comparison.as_deref()), (Some(number), compared));
+        let late = catalogue.succeed_with_report(id, job.token, "lab", number, "{}").await.unwrap_err();
+        assert!(matches!(late, CatalogueError::LeaseLost), "{late:?}");
+    }
+    let report = async |version| catalogue.version("lab", version).await.unwrap().unwrap().report;
+    assert_eq!(report(1).await, r#"{"verdict":{}}"#);
+    assert_eq!(report(2).await, "{}");
+}
+
 pub async fn a_publish_that_fails_changes_nothing(catalogue: Shared) {
     lab(&catalogue).await;
     let id = catalogue.enqueue_job("training", "lab", "{}", by()).await.unwrap().id;

@@ -44,6 +44,7 @@ macro_rules! catalogue_suite {
             deleting_a_database_takes_all_it_holds_and_ends_its_jobs
             an_exemplar_is_inserted_once_and_read_back_whole
             exemplars_are_filtered_and_paged_and_trained_in_one_order
+            negative_exemplars_have_no_label_and_are_chosen_by_it
             exemplars_are_deleted_one_by_one_or_by_a_filter_that_names_something
             a_version_is_read_back_whole_and_its_digest_is_unique
             a_version_number_is_never_given_twice
@@ -57,6 +58,7 @@ macro_rules! catalogue_suite {
             a_job_that_never_finishes_fails_with_the_reason
             a_queued_job_is_cancelled_at_once_and_a_running_one_is_flagged
             a_cancelled_job_of_a_dead_worker_is_not_taken_up_again
+            a_version_published_early_stays_whatever_becomes_of_its_job
             publishing_moves_version_alias_and_job_together
             a_publish_that_fails_changes_nothing
             concurrent_publishes_of_one_digest_give_one_version
@@ -101,6 +103,7 @@ fn exemplar(database: &str, number: u128, label: &str) -> ExemplarRow {
         database: database.to_owned(),
         id: Uuid::from_u128(number),
         label: label.to_owned(),
+        negative: label.is_empty(),
         pose_deg: None,
         width_px: 640,
         height_px: 480,

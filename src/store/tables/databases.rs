@@ -150,7 +150,7 @@ pub async fn counts(connection: &mut Connection<'_>, name: &str) -> Result<Datab
     connection
         .query(
             "SELECT (SELECT count(*) FROM exemplars WHERE database = name) AS exemplars,
-                    (SELECT count(DISTINCT label) FROM exemplars WHERE database = name) AS labels,
+                    (SELECT count(DISTINCT label) FROM exemplars WHERE database = name AND NOT negative) AS labels,
                     (SELECT count(*) FROM versions WHERE database = name) AS versions
              FROM databases WHERE name = $1",
         )

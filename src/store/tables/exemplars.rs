@@ -15,8 +15,10 @@ pub struct ExemplarRow {
     pub database: String,
     /// Unique in its database.
     pub id: Uuid,
-    /// What is seen in the image.
+    /// What is seen in the image; empty where it is negative.
     pub label: String,
+    /// Whether nothing known is seen in it.
+    pub negative: bool,
     /// The object's turn about the vertical; none for a landmark, and where it isn't known.
     pub pose_deg: Option<f64>,
     /// Width of the image.
@@ -47,6 +49,7 @@ impl FromRow for ExemplarRow {
             database: row.get("database")?,
             id: row.id("id")?,
             label: row.get("label")?,
+            negative: row.get("negative")?,
             pose_deg: row.get("pose_deg")?,
             width_px: row.unsigned("width_px")?,
             height_px: row.unsigned("height_px")?,
@@ -67,6 +70,8 @@ impl FromRow for ExemplarRow {
 pub struct ExemplarFilter {
     /// Exactly this label.
     pub label: Option<String>,
+    /// Negative ones, or those with a label.
+    pub negative: Option<bool>,
     /// Sent by this robot.
     pub robot_id: Option<String>,
     /// Received at this moment or later.
@@ -79,10 +84,14 @@ impl ExemplarFilter {
     /// The audit entry's detail on a deletion by this filter.
     pub(in crate::store) fn audit_detail(&self, deleted: u64) -> Value {
         let time = |time: Option<Timestamp>| time.map(|time| time.to_string());
-        json!({
+        let mut detail = json!({
             "label": self.label, "robot_id": self.robot_id,
             "since": time(self.since), "before": time(self.before), "deleted": deleted,
-        })
+        });
+        if let Some(negative) = self.negative {
+            detail["negative"] = negative.into();
+        }
+        detail
     }
 }
 
@@ -100,14 +109,15 @@ pub async fn insert(
         // No row when another transaction inserted the exemplar meanwhile: the next turn finds that one.
         let inserted = connection
             .query(
-                "INSERT INTO exemplars (database, id, label, pose_deg, width_px, height_px, bytes, sha256, blob,
-                                        media_type, robot_id, frame_id, stamp, created_at)
-                 VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, now_us())
+                "INSERT INTO exemplars (database, id, label, negative, pose_deg, width_px, height_px, bytes, sha256,
+                                        blob, media_type, robot_id, frame_id, stamp, created_at)
+                 VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, now_us())
                  ON CONFLICT (database, id) DO NOTHING RETURNING *",
             )
             .bind(&new.database)
             .bind_id(new.id)
             .bind(&new.label)
+            .bind(new.negative)
             .bind(new.pose_deg)
             .bind(i64::from(new.width_px))
             .bind(i64::from(new.height_px))
@@ -153,14 +163,15 @@ pub async fn list(
             "SELECT * FROM exemplars
              WHERE database = $1 AND ($2 IS NULL OR label = $2) AND ($3 IS NULL OR robot_id = $3)
                AND ($4 IS NULL OR created_at >= $4) AND ($5 IS NULL OR created_at < $5)
-               AND ($6 IS NULL OR id > $6)
-             ORDER BY id LIMIT $7",
+               AND ($6 IS NULL OR negative = $6) AND ($7 IS NULL OR id > $7)
+             ORDER BY id LIMIT $8",
         )
         .bind(database)
         .bind(&filter.label)
         .bind(&filter.robot_id)
         .bind(filter.since.map(Timestamp::as_microsecond))
         .bind(filter.before.map(Timestamp::as_microsecond))
+        .bind(filter.negative)
         .bind_id(after)
         .bind(i64::from(limit))
         .fetch_all()
@@ -207,13 +218,15 @@ pub async fn delete_matching(
         .query(
             "DELETE FROM exemplars
              WHERE database = $1 AND ($2 IS NULL OR label = $2) AND ($3 IS NULL OR robot_id = $3)
-               AND ($4 IS NULL OR created_at >= $4) AND ($5 IS NULL OR created_at < $5)",
+               AND ($4 IS NULL OR created_at >= $4) AND ($5 IS NULL OR created_at < $5)
+               AND ($6 IS NULL OR negative = $6)",
         )
         .bind(database)
         .bind(&filter.label)
         .bind(&filter.robot_id)
         .bind(filter.since.map(Timestamp::as_microsecond))
         .bind(filter.before.map(Timestamp::as_microsecond))
+        .bind(filter.negative)
         .execute()
         .await
 }

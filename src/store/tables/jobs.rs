@@ -247,8 +247,8 @@ async fn end(
 ) -> Result<JobRow, CatalogueError> {
     let job = connection
         .query(
-            "UPDATE jobs SET state = $2, version = $3, problem = $4, comparison = $5, lease_until = NULL,
-                             finished_at = now_us()
+            "UPDATE jobs SET state = $2, version = coalesce($3, version), problem = $4,
+                             comparison = coalesce($5, comparison), lease_until = NULL, finished_at = now_us()
              WHERE id = $1 RETURNING *",
         )
         .bind_id(id)
@@ -282,6 +282,25 @@ pub async fn succeed(
 ) -> Result<JobRow, CatalogueError> {
     lock_uncancelled(connection, id, token).await?;
     end(connection, id, JobState::Succeeded, outcome).await
+}
+
+/// Notes the version of a job that goes on. Errors: `LeaseLost`, `CancelRequested`.
+pub async fn note_version(
+    connection: &mut Connection<'_>,
+    id: Uuid,
+    token: i64,
+    version: i64,
+    comparison: Option<&str>,
+) -> Result<(), CatalogueError> {
+    lock_uncancelled(connection, id, token).await?;
+    connection
+        .query("UPDATE jobs SET version = $2, comparison = $3 WHERE id = $1")
+        .bind_id(id)
+        .bind(version)
+        .bind(comparison)
+        .execute()
+        .await?;
+    job_events::append(connection, id).await
 }
 
 /// Locks a job that this token holds and that was not asked to end. Errors: `LeaseLost`, `CancelRequested`.

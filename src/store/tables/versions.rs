@@ -55,6 +55,25 @@ pub struct VersionRow {
     pub created_at: Timestamp,
 }
 
+impl NewVersion {
+    /// A version that is there, to be published again: its digest finds it.
+    pub fn again(row: VersionRow) -> Self {
+        let VersionRow {
+            database,
+            digest,
+            blob,
+            bytes,
+            kind,
+            algorithm_revision,
+            options,
+            counts,
+            report,
+            ..
+        } = row;
+        Self { database, digest, blob, bytes, kind, algorithm_revision, options, counts, report }
+    }
+}
+
 impl FromRow for VersionRow {
     fn from_row(row: &Row) -> Result<Self, CatalogueError> {
         Ok(Self {
@@ -143,6 +162,23 @@ pub async fn find_by_digest(
         .bind(digest)
         .fetch_optional()
         .await
+}
+
+/// Replaces the report of a version, if that is there.
+pub async fn set_report(
+    connection: &mut Connection<'_>,
+    database: &str,
+    version: i64,
+    report: &str,
+) -> Result<(), CatalogueError> {
+    connection
+        .query("UPDATE versions SET report = $3 WHERE database = $1 AND version = $2")
+        .bind(database)
+        .bind(version)
+        .bind(report)
+        .execute()
+        .await?;
+    Ok(())
 }
 
 /// Versions by number.

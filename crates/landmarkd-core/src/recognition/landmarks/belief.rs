@@ -176,12 +176,19 @@ impl Belief {
         self.elsewhere
     }
 
+    /// The probability of being at nothing known: elsewhere, or at a negative exemplar. `exemplars` are the model's.
+    pub fn unknown(&self, exemplars: &[ExemplarName]) -> f64 {
+        let probabilities = self.probabilities();
+        let negative = exemplars.iter().zip(&probabilities).filter(|(exemplar, _)| exemplar.label.is_empty());
+        negative.fold(self.elsewhere, |sum, (_, probability)| sum + probability)
+    }
+
     /// The probability of each label, likeliest first; of equals the one that sorts first. `exemplars` are the model's.
     pub fn labels(&self, exemplars: &[ExemplarName]) -> Vec<LabelBelief> {
         let probabilities = self.probabilities();
         let mut beliefs: Vec<LabelBelief> = Vec::new();
         for (exemplar, (ExemplarName { label, .. }, probability)) in
-            exemplars.iter().zip(&probabilities).enumerate()
+            exemplars.iter().zip(&probabilities).enumerate().filter(|(_, (name, _))| !name.label.is_empty())
         {
             match beliefs.last_mut().filter(|belief| belief.label == *label) {
                 Some(belief) => {
@@ -470,5 +477,16 @@ mod tests {
         let labels = Belief { motion: Motion::Still, states, elsewhere: 0.125 }.labels(&exemplars);
         let found: Vec<_> = labels.iter().map(|l| (l.label.as_str(), l.probability, l.exemplar)).collect();
         assert_eq!(found, [("b", 0.375, 2), ("a", 0.25, 0), ("c", 0.25, 3)]);
+    }
+
+    #[test]
+    fn at_a_negative_exemplar_is_at_nothing_known() {
+        let exemplars =
+            ["", "", "a"].map(|label| ExemplarName { id: label.to_owned(), label: label.to_owned() });
+        let states = vec![0.25, 0.125, 0.5];
+        let belief = Belief { motion: Motion::Still, states, elsewhere: 0.125 };
+        let labels = belief.labels(&exemplars);
+        assert_eq!(labels, [LabelBelief { label: "a".to_owned(), probability: 0.5, exemplar: 2 }]);
+        assert_eq!(belief.unknown(&exemplars), 0.5);
     }
 }

@@ -30,7 +30,7 @@ const OPPONENT_WEIGHT: f32 = 0.5;
 pub struct ExemplarName {
     /// Its own name, unique in a database.
     pub id: String,
-    /// The class or place that it shows.
+    /// The class or place that it shows; empty for a negative exemplar.
     pub label: String,
 }
 

@@ -30,10 +30,11 @@ pub struct CalibrationPlan {
 impl CalibrationPlan {
     /// The plan for a database.
     pub fn of(model: &Landmarks) -> CalibrationPlan {
-        let all = model.exemplars.len();
+        let labelled = model.labelled();
+        let all = labelled.len();
         let chosen = all.min(MOST_EXEMPLARS);
         CalibrationPlan {
-            exemplars: (0..chosen).map(|i| i * all / chosen).collect(),
+            exemplars: (0..chosen).map(|i| labelled[i * all / chosen]).collect(),
             rounds: FEW_EXEMPLARS.div_ceil(chosen.max(1)) as u64,
         }
     }

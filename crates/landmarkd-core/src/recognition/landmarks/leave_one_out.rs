@@ -29,9 +29,10 @@ pub struct LeftOut {
 
 /// The exemplars to ask: their indices, ascending.
 pub fn exemplars_to_leave_out(model: &Landmarks) -> Vec<usize> {
-    let all = model.exemplars.len();
+    let labelled = model.labelled();
+    let all = labelled.len();
     let chosen = all.min(MOST_ASKED);
-    (0..chosen).map(|i| i * all / chosen).collect()
+    (0..chosen).map(|i| labelled[i * all / chosen]).collect()
 }
 
 /// Asks for the picture of the exemplar of this id with that exemplar left out; `None` if there is no such exemplar, or

@@ -46,7 +46,7 @@ pub use homography::Homography;
 pub use leave_one_out::{LeftOut, exemplars_to_leave_out, left_out};
 pub use model::{Exemplar, Landmarks};
 pub use options::{
-    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Signature, Taper, Viewpoint,
+    Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Preset, Signature, Taper, Viewpoint,
 };
 pub use parts::{LandmarkParts, PartsError};
 pub use placement::Placement;

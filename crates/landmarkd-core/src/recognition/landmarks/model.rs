@@ -17,7 +17,7 @@ use crate::imaging::Frame;
 pub struct Exemplar {
     /// Its own name, unique in the database.
     pub id: String,
-    /// The class or place that it shows.
+    /// The class or place that it shows; empty for a negative exemplar, which shows nothing known. Gradient signatures only.
     pub label: String,
     /// Width of its picture.
     pub width_px: u32,
@@ -33,6 +33,11 @@ impl Exemplar {
     /// What exemplars are sorted by.
     pub(super) fn sort_key(&self) -> (&str, &str) {
         (&self.label, &self.id)
+    }
+
+    /// Whether it shows nothing known: what looks like it is background.
+    pub fn is_negative(&self) -> bool {
+        self.label.is_empty()
     }
 
     /// Id and label.
@@ -83,9 +88,15 @@ impl Landmarks {
 
     /// The different labels, ascending.
     pub fn labels(&self) -> Vec<&str> {
-        let mut labels: Vec<&str> = self.exemplars.iter().map(|e| e.label.as_str()).collect();
+        let labelled = self.exemplars.iter().filter(|exemplar| !exemplar.is_negative());
+        let mut labels: Vec<&str> = labelled.map(|e| e.label.as_str()).collect();
         labels.dedup();
         labels
+    }
+
+    /// The indices of the exemplars that have a label, ascending.
+    pub(super) fn labelled(&self) -> Vec<usize> {
+        (0..self.exemplars.len()).filter(|&index| !self.exemplars[index].is_negative()).collect()
     }
 
     /// The options it was trained with, the colour resolved.

@@ -39,6 +39,29 @@ pub enum Viewpoint {
     Upright,
 }
 
+/// What a database is for: where its options start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Places, seen by a camera on wheels.
+    Rooms,
+    /// Things, turned as they may be.
+    Things,
+    /// Flat things: pictures, posters, boxes, labels.
+    Flat,
+}
+
+impl Preset {
+    /// The options. A placement is laid by a similarity or by a plane, whichever agrees better: what is flat needs no
+    /// other options than any thing.
+    pub fn options(self) -> LandmarkOptions {
+        let viewpoint = match self {
+            Preset::Rooms => Viewpoint::Upright,
+            Preset::Things | Preset::Flat => Viewpoint::Free,
+        };
+        LandmarkOptions::of(Method::Placement, viewpoint)
+    }
+}
+
 /// What signatures are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signature {

@@ -82,6 +82,9 @@ pub enum PartsError {
     /// The basis isn't orthonormal.
     #[error("the eigenspace is none")]
     Eigenspace(#[source] EigenError),
+    /// Negative exemplars alone, or with other signatures than gradients.
+    #[error("negative exemplars stand beside others, and go with gradient signatures")]
+    NegativeExemplars,
     /// The exemplar of this index has another number of eigenpoints than it says.
     #[error("the interest points of exemplar {0} are not as many as it says")]
     Count(usize),
@@ -236,10 +239,15 @@ impl LandmarkParts {
         }
         let small =
             |e: &Exemplar| e.width_px.max(e.height_px) as f32 <= LARGEST && e.edges.len() <= MOST_EDGES;
-        match self.exemplars.iter().all(small) {
-            true => Ok(()),
-            false => Err(PartsError::Number("exemplars")),
+        if !self.exemplars.iter().all(small) {
+            return Err(PartsError::Number("exemplars"));
         }
+        let negatives = self.exemplars.iter().filter(|e| e.is_negative()).count();
+        if negatives == self.exemplars.len() || negatives > 0 && self.options.signature != Signature::Gradient
+        {
+            return Err(PartsError::NegativeExemplars);
+        }
+        Ok(())
     }
 
     /// Checks that owners ascend, and are of each exemplar as many as it has windows.

@@ -46,6 +46,11 @@ pub enum Reason {
         /// The label that it agrees with.
         label: String,
     },
+    /// The frame shows what a negative exemplar shows.
+    KnownBackground {
+        /// Id of that exemplar.
+        exemplar: String,
+    },
     /// Nothing in the frame agrees with anything known.
     UnlikeAnything,
 }
@@ -60,6 +65,7 @@ impl Reason {
             Reason::WeakEvidence { .. } => "weak_evidence",
             Reason::Ambiguous { .. } => "ambiguous",
             Reason::Mirrored { .. } => "mirrored",
+            Reason::KnownBackground { .. } => "known_background",
             Reason::UnlikeAnything => "unlike_anything",
         }
     }
@@ -84,6 +90,9 @@ impl Reason {
                 format!(
                     "flipped from left to right the picture agrees with {label:?} far better: it is mirrored"
                 )
+            }
+            Reason::KnownBackground { exemplar } => {
+                format!("the picture shows what the negative exemplar {exemplar} shows")
             }
             Reason::UnlikeAnything => "nothing in the picture agrees with anything known".to_owned(),
         }
@@ -110,18 +119,22 @@ impl Reason {
                 "switch the camera's mirroring off (front cameras often have it), or teach the mirrored view"
                     .to_owned()
             }
+            Reason::KnownBackground { exemplar } => format!(
+                "nothing, if this is background; if it should be known, come nearer, or delete the exemplar {exemplar} where \
+                 that shows what should be known"
+            ),
             Reason::UnlikeAnything => "if this should be known, teach this picture".to_owned(),
         }
     }
 }
 
-/// The reasons, the likeliest first. `votes` are likeliest first.
+/// The reasons, the likeliest first. `votes` are likeliest first; `known` is what else is known to be the reason.
 pub(super) fn reasons(
     model: &Landmarks,
     working: &Frame,
     windows: usize,
     votes: &[LabelVote],
-    mirrored: bool,
+    known: Option<Reason>,
 ) -> Vec<Reason> {
     let mut reasons = Vec::new();
     let mean = working.luminance.mean();
@@ -138,8 +151,11 @@ pub(super) fn reasons(
     let evident =
         votes.iter().filter(|vote| vote.a_contrario.is_some_and(|found| -found.log10_false_alarms >= least));
     let labels: Vec<String> = evident.map(|vote| vote.label.clone()).take(MOST_LABELS).collect();
+    if let Some(reason) = known {
+        reasons.push(reason);
+        return reasons;
+    }
     reasons.push(match (votes.first(), votes.first().and_then(|vote| vote.a_contrario)) {
-        (Some(vote), _) if mirrored => Reason::Mirrored { label: vote.label.clone() },
         _ if !labels.is_empty() => Reason::Ambiguous { labels },
         (Some(vote), Some(a_contrario)) if a_contrario.log10_false_alarms < WEAK => Reason::WeakEvidence {
             label: vote.label.clone(),

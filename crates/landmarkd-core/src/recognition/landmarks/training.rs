@@ -47,6 +47,12 @@ pub enum TrainingError {
     /// Not one window was described.
     #[error("no exemplar has interest points: the pictures are flat, dark or out of focus")]
     NoInterestPoints,
+    /// Every exemplar is negative.
+    #[error("every exemplar is negative: there is nothing to recognise")]
+    NoLabels,
+    /// Negative exemplars with signatures that have no use for them.
+    #[error("negative exemplars go with gradient signatures")]
+    NegativeExemplars,
     /// Two exemplars have this id.
     #[error("the exemplar id {0:?} occurs more than once")]
     DuplicateId(String),
@@ -108,6 +114,12 @@ fn check(exemplars: &[DescribedExemplar], options: &LandmarkOptions) -> Result<(
     }
     if exemplars.is_empty() {
         return Err(TrainingError::NoExemplars);
+    }
+    if exemplars.iter().all(|e| e.exemplar.is_negative()) {
+        return Err(TrainingError::NoLabels);
+    }
+    if options.signature != Signature::Gradient && exemplars.iter().any(|e| e.exemplar.is_negative()) {
+        return Err(TrainingError::NegativeExemplars);
     }
     let mut ids: Vec<&str> = exemplars.iter().map(|e| e.exemplar.id.as_str()).collect();
     ids.sort_unstable();

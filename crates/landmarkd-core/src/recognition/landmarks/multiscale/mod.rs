@@ -111,11 +111,14 @@ pub(super) fn recognise(
         };
         witness.evidence < BEYOND_SYMMETRY && evidence() > CLEARER * witness.evidence
     });
-    let decided = witness.filter(|_| !mirrored);
-    let instances = match decided {
+    let is_negative = |found: &Hypothesis| model.exemplars[found.exemplar].is_negative();
+    let decided = witness.filter(|_| !mirrored && !found.first().is_some_and(is_negative));
+    let mut instances = match decided {
         Some(_) => all_there(&exemplars, &seen, &weights, &found, &options),
         None => Vec::new(),
     };
+    // they only take their windows away from the others
+    instances.retain(|instance| !is_negative(instance));
     let ranking = Ranking {
         model,
         working: &working,
@@ -165,8 +168,8 @@ mod tests {
     use super::super::homography::Homography;
     use super::super::pictures::{laid, name, wall};
     use super::super::{
-        LandmarkOptions, LandmarkParts, Landmarks, Method, Placement, Viewpoint, describe, left_out,
-        names_rightly, synthetic_views,
+        CalibrationPlan, LandmarkOptions, LandmarkParts, Landmarks, Method, Placement, TrainingError,
+        Viewpoint, describe, exemplars_to_leave_out, left_out, names_rightly, synthetic_views,
     };
     use super::*;
     use crate::imaging::Image;
@@ -332,6 +335,62 @@ mod tests {
             assert_eq!(decided(&recognition), Some(&format!("{number:02}")[..]));
             assert!(recognition.also.iter().any(|also| also.label == format!("{:02}", number + 1)));
         }
+    }
+
+    #[test]
+    fn what_a_negative_exemplar_shows_is_unknown_and_never_a_label() {
+        let strip = wall(7, 640, 240);
+        let window = |left: usize| Image::from_fn(320, 240, |x, y| strip.at(left + x, y));
+        let desk = ("desk".to_owned(), window(0));
+        let other = ("other".to_owned(), wall(31, 320, 240));
+        let background = (String::new(), window(80));
+        let options = LandmarkOptions::default();
+        let without = model_of([desk.clone(), other.clone()].into_iter(), &options);
+        let model = model_of([desk, other, background].into_iter(), &options);
+        assert_eq!(model.labels(), ["desk", "other"]);
+
+        let beside = Frame::gray(window(90));
+        assert_eq!(decided(&without.recognise(&beside, |_| ())), Some("desk"));
+        let recognition = model.recognise(&beside, |_| ());
+        assert_eq!(decided(&recognition), None);
+        let codes: Vec<&str> = recognition.reasons.iter().map(|reason| reason.code()).collect();
+        assert_eq!(codes, ["known_background"]);
+        assert!(recognition.reasons[0].remedy().contains("-2"), "{}", recognition.reasons[0].remedy());
+        assert!(recognition.instances.is_empty());
+
+        let shown = model.recognise(&Frame::gray(window(0)), |_| ());
+        assert_eq!(decided(&shown), Some("desk"));
+        assert!(!shown.instances.is_empty());
+        for recognition in [&recognition, &shown] {
+            let votes = recognition.votes.iter().map(|vote| &vote.label);
+            let labels = votes
+                .chain(recognition.also.iter().map(|also| &also.label))
+                .chain(recognition.instances.iter().map(|instance| &instance.label));
+            assert!(labels.into_iter().all(|label| !label.is_empty()), "{recognition:?}");
+        }
+        let asked: Vec<&str> = exemplars_to_leave_out(&model)
+            .into_iter()
+            .map(|index| model.exemplars()[index].label.as_str())
+            .collect();
+        assert_eq!(asked, ["desk", "other"], "nothing is asked of a negative exemplar");
+        assert_eq!(CalibrationPlan::of(&model).exemplars.len(), 2);
+
+        let parts = LandmarkParts::from(&model);
+        let rebuilt = Landmarks::try_from(parts.clone()).unwrap();
+        assert_eq!(rebuilt.recognise(&beside, |_| ()), recognition);
+        let intensity = LandmarkOptions::of(Method::Paper, Viewpoint::Free);
+        assert!(Landmarks::try_from(LandmarkParts { options: intensity, ..parts }).is_err());
+    }
+
+    #[test]
+    fn negative_exemplars_alone_are_refused() {
+        let described = describe(name("b", ""), &Frame::gray(picture(1)), &LandmarkOptions::default());
+        let error = Landmarks::train(vec![described], &LandmarkOptions::default()).err();
+        assert_eq!(error, Some(TrainingError::NoLabels));
+        let paper = LandmarkOptions::of(Method::Paper, Viewpoint::Free);
+        let described = ["", "a"].map(|label| describe(name(label, label), &Frame::gray(picture(1)), &paper));
+        let error = Landmarks::train(described.into(), &paper).err();
+        assert_eq!(error, Some(TrainingError::NegativeExemplars));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::recognition::landmarks::homography::Homography;
 use crate::recognition::landmarks::model::Landmarks;
 use crate::recognition::landmarks::options::{Colour, Viewpoint};
 use crate::recognition::landmarks::placement::Placement;
-use crate::recognition::landmarks::reason::reasons;
+use crate::recognition::landmarks::reason::{Reason, reasons};
 use crate::recognition::landmarks::recognition::{
     AContrario, Also, Decision, Instance, LabelVote, PointVote, Recognition, VerifiedPlacement,
 };
@@ -71,7 +71,7 @@ impl Ranking<'_> {
         Recognition {
             reasons: match decision {
                 Some(_) => Vec::new(),
-                None => reasons(self.model, self.working, asked, &votes, self.mirrored),
+                None => reasons(self.model, self.working, asked, &votes, self.known_reason(&best)),
             },
             decision,
             points_found: windows.points_found,
@@ -91,10 +91,28 @@ impl Ranking<'_> {
         &self.model.exemplars[found.exemplar].label
     }
 
+    fn is_negative(&self, found: &Hypothesis) -> bool {
+        self.model.exemplars[found.exemplar].is_negative()
+    }
+
+    /// Why nothing is decided, where that is known: the frame is mirrored, or shows a negative exemplar at least as likely as
+    /// any label, or all but one.
+    fn known_reason(&self, best: &[&Hypothesis]) -> Option<Reason> {
+        if let Some(first) = best.first().filter(|_| self.mirrored) {
+            return Some(Reason::Mirrored { label: self.label(first).to_owned() });
+        }
+        let evident = |found: &&Hypothesis| found.is_evident(self.model.options.least_evidence());
+        let background = self.hypotheses.iter().filter(evident).position(|found| self.is_negative(found))?;
+        let found = self.hypotheses.iter().filter(evident).nth(background)?;
+        let labels = best.iter().copied().filter(evident).count();
+        let exemplar = || self.model.exemplars[found.exemplar].id.clone();
+        (background == 0 || labels <= 1).then(|| Reason::KnownBackground { exemplar: exemplar() })
+    }
+
     /// The likeliest hypothesis of each label, likeliest first.
     fn best_of_labels(&self) -> Vec<&Hypothesis> {
         let mut best: Vec<&Hypothesis> = Vec::new();
-        for found in &self.hypotheses {
+        for found in self.hypotheses.iter().filter(|found| !self.is_negative(found)) {
             if best.iter().all(|other| self.label(other) != self.label(found)) {
                 best.push(found);
             }

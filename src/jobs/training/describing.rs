@@ -1,0 +1,79 @@
+//! The exemplars of a landmark database described, each by itself. With gradient signatures a description is kept on this
+//! machine, and a later training takes it from there.
+
+use std::sync::Arc;
+
+use super::landmarks::name;
+use crate::database::description::{decode, description_key, encode};
+use crate::database::{DatabaseError, DescriptionsReport, ExemplarRow};
+use crate::jobs::stop::Stop;
+use crate::jobs::worker::Worker;
+use crate::problem::Code;
+use landmarkd_core::recognition::landmarks::{DescribedExemplar, LandmarkOptions, Signature, describe};
+
+/// The word for this part of a training.
+const STAGE: &str = "describing";
+
+/// The descriptions in the exemplars' order, how many were computed, and the milliseconds that all of it took.
+pub(super) async fn described(
+    worker: &Worker<'_>,
+    exemplars: Vec<ExemplarRow>,
+    options: &Arc<LandmarkOptions>,
+) -> Result<(Vec<DescribedExemplar>, DescriptionsReport, f64), Stop> {
+    let keeps = options.signature == Signature::Gradient;
+    let one = |place: usize, row: ExemplarRow| async move {
+        match keeps {
+            true => kept_or_computed(worker, place, row, options).await,
+            false => Ok((computed(worker, place, &row, options, |_, described| described).await?, false)),
+        }
+    };
+    let (described, took_ms) = worker.in_parallel(STAGE, exemplars, one).await?;
+    let (described, kept): (Vec<DescribedExemplar>, Vec<bool>) = described.into_iter().unzip();
+    let kept = kept.into_iter().filter(|kept| *kept).count() as u64;
+    let report = DescriptionsReport { computed: described.len() as u64 - kept, kept };
+    Ok((described, report, took_ms))
+}
+
+/// The kept description of an exemplar, and true; or the computed one, which is kept.
+async fn kept_or_computed(
+    worker: &Worker<'_>,
+    place: usize,
+    row: ExemplarRow,
+    options: &Arc<LandmarkOptions>,
+) -> Result<(DescribedExemplar, bool), Stop> {
+    let descriptions = &worker.databases.descriptions;
+    let key = description_key(&row, options).map_err(DatabaseError::from)?;
+    if let Some(bytes) = descriptions.get(key).await {
+        let row = row.clone();
+        if let Some(kept) = worker.run(0, move || decode(&bytes, &row)).await? {
+            return Ok((kept, true));
+        }
+    }
+    // Taken from its bytes, as the next training will: the same inputs give the same version.
+    let both = |row: &ExemplarRow, described| {
+        let bytes = encode(&described);
+        decode(&bytes, row).map(|described| (bytes, described))
+    };
+    let both = computed(worker, place, &row, options, both).await?;
+    let (bytes, described) =
+        both.ok_or_else(|| Stop::failed(Code::Internal, "a description doesn't come back from its bytes"))?;
+    descriptions.keep(key, &bytes).await;
+    Ok((described, false))
+}
+
+/// An exemplar described, and what `then` makes of it.
+async fn computed<T: Send + 'static>(
+    worker: &Worker<'_>,
+    place: usize,
+    row: &ExemplarRow,
+    options: &Arc<LandmarkOptions>,
+    then: impl Fn(&ExemplarRow, DescribedExemplar) -> T + Send + Sync + 'static,
+) -> Result<T, Stop> {
+    let (with, longer_side_px) = (Arc::clone(options), options.working_size_px);
+    let describe = move |_: usize, row: &ExemplarRow, frame: &_| {
+        let mut described = describe(name(row), frame, &with);
+        (described.exemplar.width_px, described.exemplar.height_px) = (row.width_px, row.height_px);
+        Ok(then(row, described))
+    };
+    worker.one(place, row.clone(), longer_side_px, Arc::new(describe)).await
+}
