@@ -243,23 +243,29 @@ impl Eigenspace {
     pub fn project(&self, vectors: &[f32]) -> Vec<f32> {
         let (length, dimension) = (self.length(), self.dimension());
         assert!(vectors.len().is_multiple_of(length), "whole vectors");
-        let mut across = vec![0.0; length * dimension];
+        let mut across = vec![[0.0; WIDE]; dimension.div_ceil(WIDE) * length];
         for (i, row) in self.basis.chunks_exact(length).enumerate() {
-            for (k, &v) in row.iter().enumerate() {
-                across[k * dimension + i] = v;
+            for (column, &v) in across[i / WIDE * length..].iter_mut().zip(row) {
+                column[i % WIDE] = v;
             }
         }
         let mut points = vec![0.0; vectors.len() / length * dimension];
-        Arch::new().dispatch(Project { vectors, mean: &self.mean, across: &across, points: &mut points });
+        let (mean, points_out) = (&self.mean[..], &mut points[..]);
+        Arch::new().dispatch(Project { vectors, mean, across: &across, dimension, points: points_out });
         points
     }
 }
 
-/// points = basis · (vectors − mean), with the basis column by column. A§4.1
+/// Coordinates that are summed up side by side, and vectors.
+const WIDE: usize = 16;
+const TOGETHER: usize = 4;
+
+/// points = basis · (vectors − mean), with the basis by [`WIDE`] rows, column by column. A§4.1
 struct Project<'a> {
     vectors: &'a [f32],
     mean: &'a [f32],
-    across: &'a [f32],
+    across: &'a [[f32; WIDE]],
+    dimension: usize,
     points: &'a mut [f32],
 }
 
@@ -267,15 +273,41 @@ impl WithSimd for Project<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let length = self.mean.len();
-        let dimension = self.across.len() / length;
-        let vectors = self.vectors.chunks_exact(length);
-        for (vector, point) in vectors.zip(self.points.chunks_exact_mut(dimension)) {
-            for ((v, m), column) in vector.iter().zip(self.mean).zip(self.across.chunks_exact(dimension)) {
-                let centred = v - m;
-                for (coordinate, b) in point.iter_mut().zip(column) {
-                    *coordinate += centred * b;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (length, dimension) = (self.mean.len(), self.dimension);
+        let mut centred = vec![[0.0_f32; TOGETHER]; length];
+        let groups = self.vectors.chunks(TOGETHER * length);
+        for (vectors, points) in groups.zip(self.points.chunks_mut(TOGETHER * dimension)) {
+            for (lane, vector) in vectors.chunks_exact(length).enumerate() {
+                for k in 0..length {
+                    centred[k][lane] = vector[k] - self.mean[k];
+                }
+            }
+            for (number, columns) in self.across.chunks_exact(length).enumerate() {
+                let mut sums = [[0.0_f32; WIDE]; TOGETHER];
+                let vectors = WIDE / S::F32_LANES;
+                let mut first = 0;
+                while first < vectors {
+                    let second = (first + 1).min(vectors - 1);
+                    let zero = simd.splat_f32s(0.0);
+                    let (mut a, mut b) = ([zero; TOGETHER], [zero; TOGETHER]);
+                    for k in 0..length {
+                        let (column, centred) = (S::as_simd_f32s(&columns[k]).0, &centred[k]);
+                        for lane in 0..TOGETHER {
+                            let v = simd.splat_f32s(centred[lane]);
+                            a[lane] = simd.add_f32s(a[lane], simd.mul_f32s(v, column[first]));
+                            b[lane] = simd.add_f32s(b[lane], simd.mul_f32s(v, column[second]));
+                        }
+                    }
+                    for lane in 0..TOGETHER {
+                        let out = S::as_mut_simd_f32s(&mut sums[lane]).0;
+                        (out[first], out[second]) = (a[lane], b[lane]);
+                    }
+                    first += 2;
+                }
+                for (point, sums) in points.chunks_exact_mut(dimension).zip(&sums) {
+                    let coordinates = &mut point[number * WIDE..];
+                    coordinates.iter_mut().zip(sums).for_each(|(coordinate, sum)| *coordinate = *sum);
                 }
             }
         }

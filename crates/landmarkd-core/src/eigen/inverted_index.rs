@@ -4,9 +4,10 @@
 //! k-means on a seeded sample gives centroids. Each eigenpoint is in the list of its nearest centroid, and a query looks
 //! through the lists of the centroids nearest to it. A list is read once for all queries that probe it.
 //!
-//! Of ‖q − t‖² = ‖q‖² + (‖t‖² − 2 q·t), B(14), the part in brackets is computed in f32 for all eigenpoints of a list,
-//! coordinate by coordinate, so that every machine adds up in the same order. Given a bound on its rounding, it excludes
-//! the eigenpoints that can't be among the nearest; the few that can are measured in f64. So the answer is that of
+//! Of ‖q − t‖² = ‖q‖² + (‖t‖² − 2 q·t), B(14), the part in brackets is computed for all eigenpoints of a list with
+//! coordinates of 16 bits: twice as fast as with f32, and whole numbers add up to the same on every machine. Given a bound
+//! on its rounding, it excludes the eigenpoints that can't be among the nearest; the few that can are measured in f64. So
+//! the answer is that of
 //! [`EigenpointIndex::nearest_several`](super::EigenpointIndex::nearest_several), bit for bit, among the lists probed.
 
 use std::cmp::Ordering;
@@ -17,10 +18,14 @@ use pulp::{Arch, Simd, WithSimd};
 use super::neighbours::{Neighbour, distance_square, dot};
 use crate::random::Random;
 
-/// Eigenpoints that are side by side: two vectors of AVX2.
-const BLOCK: usize = 16;
+/// Sums that are one vector of AVX2.
+const LANES: usize = 8;
+/// Eigenpoints that are side by side: two vectors of sums.
+const BLOCK: usize = 2 * LANES;
 /// Queries that pass over a block together: their sums and the block's eigenpoints fill AVX2's registers.
 const TILE: usize = 4;
+/// The length of the longest vector in whole numbers: that of a product of two stays below 2³¹, rounded ones too.
+const LONGEST: f32 = 32_000.0;
 /// Below this many eigenpoints there is one list, and the search exact: what centroids and their lists cost beside
 /// the eigenpoints is more than they save.
 const ONE_LIST_BELOW: usize = 4096;
@@ -33,6 +38,8 @@ const ROUNDS: usize = 6;
 /// 48 coordinates in 207 lists, there are found: 0.948, 0.931, 0.896 by 8 probes; 0.975, 0.970, 0.950 by 12; 0.988,
 /// 0.985, 0.975 by 16; 0.997, 0.996, 0.993 by 24. With 12 one decision in twenty of a corridor is lost.
 const PROBES: usize = 24;
+/// Of them, those that are probed before all others.
+const FIRST_PROBES: usize = 3;
 /// Eigenpoints whose lists are sought together: they stay in the first cache.
 const TOGETHER: usize = 64;
 /// Candidates of a query are reduced to the nearest when they are so many.
@@ -83,24 +90,15 @@ impl InvertedIndex {
         of_point.iter().for_each(|&list| sizes[list as usize] += 1);
         let mut starts = vec![0];
         sizes.iter().for_each(|size: &usize| starts.push(starts[starts.len() - 1] + size.div_ceil(BLOCK)));
-        let mut blocks = Blocks::empty(starts[lists], dimension);
+        let farthest = farthest(&points, dimension);
+        let mut blocks = Blocks::empty(starts[lists], dimension, farthest);
         let mut next: Vec<usize> = starts[..lists].iter().map(|block| block * BLOCK).collect();
         for (index, (point, &list)) in points.chunks_exact(dimension).zip(&of_point).enumerate() {
             let place = &mut next[list as usize];
             blocks.put(*place, index as u32, point);
             *place += 1;
         }
-        let farthest =
-            points.chunks_exact(dimension).map(|point| dot(point, point) as f32).fold(0.0, f32::max);
-        InvertedIndex {
-            points,
-            dimension,
-            farthest: farthest.sqrt(),
-            centroids,
-            lists: blocks,
-            starts,
-            sizes,
-        }
+        InvertedIndex { points, dimension, farthest, centroids, lists: blocks, starts, sizes }
     }
 
     /// The eigenpoints, n × dimension, row-major, in the order that they were given in.
@@ -118,7 +116,7 @@ impl InvertedIndex {
         self.sizes.len()
     }
 
-    /// Memory held, in bytes: a little more than twice the eigenpoints.
+    /// Memory held, in bytes: half as much again as the eigenpoints, and a little more.
     pub fn bytes(&self) -> usize {
         let whole = size_of_val(&self.starts[..]) + size_of_val(&self.sizes[..]);
         size_of_val(&self.points[..]) + self.centroids.bytes() + self.lists.bytes() + whole
@@ -146,18 +144,21 @@ impl InvertedIndex {
         assert!(count > 0 && probes > 0, "a query asks for something, somewhere");
         let (asked, count) = (queries.len() / self.dimension, count.min(self.count()));
         let slack = |query: &[f32]| {
-            // Each of n products and sums in f32 is off by at most 2⁻²⁴ of it, and all of them together are at most
-            // (‖q‖ + ‖t‖)²: twice that, for what else is rounded.
-            let reach = (dot(query, query).sqrt() as f32 + self.farthest).powi(2);
-            (self.dimension + 4) as f32 * f32::EPSILON * reach + f32::MIN_POSITIVE
+            let length = dot(query, query).sqrt() as f32;
+            // Each coordinate of either vector is off by half a unit at most, the whole vector by half of √n units; a
+            // unit is the vector's length, or the farthest's, over LONGEST. One percent more for products of both errors.
+            let whole = 2.02 * (self.dimension as f32).sqrt() * length * self.farthest / LONGEST;
+            // the square, the conversion, the product and the sum in f32
+            whole + 8.0 * f32::EPSILON * (length + self.farthest).powi(2) + f32::MIN_POSITIVE
         };
         let nearest = |query: &[f32]| Nearest::new(count, 2.0 * slack(query));
         let mut nearest: Vec<Nearest> = queries.chunks_exact(self.dimension).map(nearest).collect();
-        let mut scratch = Vec::new();
-        for round in self.rounds(queries, count, probes) {
+        let mut scratch = Tiles::default();
+        let whole = WholeQueries::new(queries, self.dimension);
+        for round in self.rounds(&whole, count, probes) {
             for list in 0..self.lists() {
                 let blocks = self.starts[list]..self.starts[list + 1];
-                self.lists.scan(blocks, queries, round.asking(list), &mut nearest, &mut scratch);
+                self.lists.scan(blocks, &whole, round.asking(list), &mut nearest, &mut scratch);
             }
         }
         let mut found = vec![Neighbour { index: 0, distance: 0.0 }; asked * count];
@@ -174,21 +175,21 @@ impl InvertedIndex {
         found
     }
 
-    /// Which queries probe which lists: first each its nearest, so that it knows how near its nearest are at most; then
-    /// the others.
-    fn rounds(&self, queries: &[f32], count: usize, probes: usize) -> [Round; 2] {
-        let (asked, lists) = (queries.len() / self.dimension, self.lists());
+    /// Which queries probe which lists: first each its nearest ones, so that it knows how near its nearest are at most;
+    /// then the others.
+    fn rounds(&self, queries: &WholeQueries, count: usize, probes: usize) -> [Round; 2] {
+        let (asked, lists) = (queries.units.len(), self.lists());
         let all: Vec<u32> = (0..asked as u32).collect();
         let whole = 0..self.centroids.squares.len();
         let mut nearest: Vec<Nearest> = (0..asked).map(|_| Nearest::new(probes.min(lists), 0.0)).collect();
-        let mut scratch = Vec::new();
+        let mut scratch = Tiles::default();
         self.centroids.scan(whole.clone(), queries, &all, &mut nearest, &mut scratch);
-        let mut visits = [Vec::with_capacity(asked), Vec::with_capacity(asked * probes.min(lists))];
+        let mut visits = [(); 2].map(|()| Vec::with_capacity(asked * probes.min(lists)));
         for (number, nearest) in nearest.iter_mut().enumerate() {
             let mut held = 0;
             let mut probed = 0;
             let mut probe = |list: usize| {
-                visits[usize::from(probed > 0)].push((list, number as u32));
+                visits[usize::from(probed >= FIRST_PROBES)].push((list, number as u32));
                 held += self.sizes[list];
                 probed += 1;
                 probed >= probes && held >= count
@@ -196,8 +197,7 @@ impl InvertedIndex {
             let is_enough = nearest.in_order(probes).fold(false, |_, list| probe(list));
             if !is_enough && probes < lists {
                 let mut every = [Nearest::new(lists, 0.0)];
-                let query = &queries[number * self.dimension..][..self.dimension];
-                self.centroids.scan(whole.clone(), query, &[0], &mut every, &mut scratch);
+                self.centroids.scan(whole.clone(), &queries.only(number), &[0], &mut every, &mut scratch);
                 every[0].in_order(lists).skip(probes).find(|&list| probe(list));
             }
         }
@@ -256,11 +256,64 @@ impl WithSimd for Measure<'_> {
     }
 }
 
-/// Points side by side, coordinate by coordinate.
+/// The greatest length of n × dimension row-major points.
+fn farthest(points: &[f32], dimension: usize) -> f32 {
+    points.chunks_exact(dimension).map(|point| dot(point, point) as f32).fold(0.0, f32::max).sqrt()
+}
+
+/// The unit of a vector's whole numbers, given the greatest length.
+fn unit(longest: f32) -> f32 {
+    if longest > 0.0 { longest / LONGEST } else { 1.0 }
+}
+
+/// Coordinates in whole numbers, by pairs; 0 after the last.
+fn whole(coordinates: &[f32], unit: f32) -> impl Iterator<Item = [i16; 2]> {
+    // adding so much leaves f32 no place for a fraction
+    const NO_FRACTION: f32 = (3 << 22) as f32;
+    let whole = move |value: f32| ((value / unit + NO_FRACTION) - NO_FRACTION) as i16;
+    let (pairs, last) = coordinates.as_chunks::<2>();
+    let last = last.first().map(|&value| [whole(value), 0]);
+    pairs.iter().map(move |&[a, b]| [whole(a), whole(b)]).chain(last)
+}
+
+/// Queries in whole numbers, each with a unit of its own.
+struct WholeQueries {
+    pairs: usize,
+    rows: Vec<[i16; 2]>,
+    units: Vec<f32>,
+}
+
+impl WholeQueries {
+    fn new(queries: &[f32], dimension: usize) -> WholeQueries {
+        let pairs = dimension.div_ceil(2);
+        let mut rows = Vec::with_capacity(queries.len() / dimension * pairs);
+        let mut units = Vec::with_capacity(queries.len() / dimension);
+        for query in queries.chunks_exact(dimension) {
+            let unit = unit(dot(query, query).sqrt() as f32);
+            rows.extend(whole(query, unit));
+            units.push(unit);
+        }
+        WholeQueries { pairs, rows, units }
+    }
+
+    /// One of them by itself.
+    fn only(&self, number: usize) -> WholeQueries {
+        let rows = self.row(number as u32).to_vec();
+        WholeQueries { pairs: self.pairs, rows, units: vec![self.units[number]] }
+    }
+
+    fn row(&self, number: u32) -> &[[i16; 2]] {
+        &self.rows[number as usize * self.pairs..][..self.pairs]
+    }
+}
+
+/// Points side by side, two coordinates at a time.
 struct Blocks {
     dimension: usize,
-    /// A row of [`BLOCK`] for each coordinate of each block.
-    rows: Vec<[f32; BLOCK]>,
+    /// What 1 is worth in rows.
+    unit: f32,
+    /// For each pair of coordinates of each block a row of [`BLOCK`] pairs.
+    rows: Vec<[[i16; 2]; BLOCK]>,
     /// ‖t‖², infinite where no point is.
     squares: Vec<[f32; BLOCK]>,
     /// Which point it is.
@@ -268,17 +321,20 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn empty(blocks: usize, dimension: usize) -> Blocks {
+    /// For points of at most that length.
+    fn empty(blocks: usize, dimension: usize, farthest: f32) -> Blocks {
         Blocks {
             dimension,
-            rows: vec![[0.0; BLOCK]; blocks * dimension],
+            unit: unit(farthest),
+            rows: vec![[[0; 2]; BLOCK]; blocks * dimension.div_ceil(2)],
             squares: vec![[f32::INFINITY; BLOCK]; blocks],
             indices: vec![[EMPTY; BLOCK]; blocks],
         }
     }
 
     fn of(points: &[f32], dimension: usize) -> Blocks {
-        let mut blocks = Blocks::empty((points.len() / dimension).div_ceil(BLOCK), dimension);
+        let count = points.len() / dimension;
+        let mut blocks = Blocks::empty(count.div_ceil(BLOCK), dimension, farthest(points, dimension));
         for (index, point) in points.chunks_exact(dimension).enumerate() {
             blocks.put(index, index as u32, point);
         }
@@ -287,10 +343,17 @@ impl Blocks {
 
     fn put(&mut self, place: usize, index: u32, point: &[f32]) {
         let (block, lane) = (place / BLOCK, place % BLOCK);
-        let rows = &mut self.rows[block * self.dimension..][..self.dimension];
-        rows.iter_mut().zip(point).for_each(|(row, value)| row[lane] = *value);
+        let pairs = self.pairs();
+        for (row, pair) in self.rows[block * pairs..][..pairs].iter_mut().zip(whole(point, self.unit)) {
+            row[lane] = pair;
+        }
         self.squares[block][lane] = dot(point, point) as f32;
         self.indices[block][lane] = index;
+    }
+
+    /// Pairs of coordinates of a point.
+    fn pairs(&self) -> usize {
+        self.dimension.div_ceil(2)
     }
 
     fn bytes(&self) -> usize {
@@ -301,61 +364,156 @@ impl Blocks {
     fn scan(
         &self,
         blocks: Range<usize>,
-        queries: &[f32],
+        queries: &WholeQueries,
         asking: &[u32],
         nearest: &mut [Nearest],
-        scratch: &mut Vec<[f32; TILE]>,
+        scratch: &mut Tiles,
     ) {
         if !asking.is_empty() && !blocks.is_empty() {
-            fill_tiles(queries, self.dimension, asking, scratch);
-            Arch::new().dispatch(Scan { of: self, blocks, tiles: scratch, asking, nearest });
+            scratch.fill(queries, self, asking);
+            dispatch(Scan { of: self, blocks, tiles: scratch, asking, nearest });
         }
     }
 }
 
-/// The numbered queries by fours, coordinate by coordinate, times −2.
-fn fill_tiles(queries: &[f32], dimension: usize, asking: &[u32], tiles: &mut Vec<[f32; TILE]>) {
-    tiles.clear();
-    tiles.resize(asking.len().div_ceil(TILE) * dimension, [0.0; TILE]);
-    for (place, &number) in asking.iter().enumerate() {
-        let query = &queries[number as usize * dimension..][..dimension];
-        let rows = &mut tiles[place / TILE * dimension..][..dimension];
-        for coordinate in 0..dimension {
-            rows[coordinate][place % TILE] = -2.0 * query[coordinate];
+/// Queries by fours, two coordinates at a time.
+#[derive(Default)]
+struct Tiles {
+    /// For each pair of coordinates of each tile.
+    rows: Vec<[[i16; 2]; TILE]>,
+    /// −2 times what a product of 1 and 1 is worth.
+    factors: Vec<[f32; TILE]>,
+}
+
+impl Tiles {
+    /// Replaces what it holds by the numbered queries of some blocks.
+    fn fill(&mut self, queries: &WholeQueries, of: &Blocks, asking: &[u32]) {
+        let pairs = of.pairs();
+        let tiles = asking.len().div_ceil(TILE);
+        self.rows.clear();
+        self.rows.resize(tiles * pairs, [[0; 2]; TILE]);
+        self.factors.clear();
+        self.factors.resize(tiles, [0.0; TILE]);
+        for (place, &number) in asking.iter().enumerate() {
+            let (tile, lane) = (place / TILE, place % TILE);
+            self.factors[tile][lane] = -2.0 * queries.units[number as usize] * of.unit;
+            for (row, pair) in self.rows[tile * pairs..][..pairs].iter_mut().zip(queries.row(number)) {
+                row[lane] = *pair;
+            }
         }
     }
+}
+
+/// What products of whole numbers are added up with: processors have an instruction for it.
+trait Products: Copy {
+    type Sums: Copy;
+    fn zero(self) -> Self::Sums;
+    /// Adds the product of each pair of the row with `pair`.
+    fn add(self, sums: Self::Sums, row: &[[i16; 2]; LANES], pair: [i16; 2]) -> Self::Sums;
+    fn sums(self, sums: Self::Sums) -> [i32; LANES];
+}
+
+#[derive(Clone, Copy)]
+struct Plain;
+
+impl Products for Plain {
+    type Sums = [i32; LANES];
+
+    #[inline(always)]
+    fn zero(self) -> Self::Sums {
+        [0; LANES]
+    }
+
+    #[inline(always)]
+    fn add(self, mut sums: Self::Sums, row: &[[i16; 2]; LANES], pair: [i16; 2]) -> Self::Sums {
+        for lane in 0..LANES {
+            let product = |at: usize| i32::from(row[lane][at]) * i32::from(pair[at]);
+            sums[lane] += product(0) + product(1);
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn sums(self, sums: Self::Sums) -> [i32; LANES] {
+        sums
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Products for pulp::x86::V3 {
+    type Sums = pulp::i32x8;
+
+    #[inline(always)]
+    fn zero(self) -> Self::Sums {
+        self.splat_i32x8(0)
+    }
+
+    #[inline(always)]
+    fn add(self, sums: Self::Sums, row: &[[i16; 2]; LANES], pair: [i16; 2]) -> Self::Sums {
+        let pair = self.splat_i32x8(pulp::cast(pair));
+        self.wrapping_add_i32x8(
+            sums,
+            self.multiply_wrapping_add_adjacent_i16x16(pulp::cast(*row), pulp::cast(pair)),
+        )
+    }
+
+    #[inline(always)]
+    fn sums(self, sums: Self::Sums) -> [i32; LANES] {
+        pulp::cast(sums)
+    }
+}
+
+/// A loop over blocks.
+trait Pass {
+    fn run<S: Simd, P: Products>(self, simd: S, products: P);
+}
+
+/// A pass with the instructions of this processor.
+fn dispatch(pass: impl Pass) {
+    struct With<T, P>(T, P);
+    impl<T: Pass, P: Products> WithSimd for With<T, P> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.run(simd, self.1);
+        }
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Some(v3) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(v3, With(pass, v3));
+    }
+    Arch::new().dispatch(With(pass, Plain));
 }
 
 /// ‖t‖² − 2 q·t of a block's points and a tile's queries. // B(14)
 #[inline(always)]
-fn parts<S: Simd>(
-    simd: S,
-    rows: &[[f32; BLOCK]],
+fn parts<P: Products>(
+    products: P,
+    rows: &[[[i16; 2]; BLOCK]],
     squares: &[f32; BLOCK],
-    tile: &[[f32; TILE]],
+    tile: &[[[i16; 2]; TILE]],
+    factors: &[f32; TILE],
     parts: &mut [[f32; BLOCK]; TILE],
 ) {
-    let squares = S::as_simd_f32s(squares).0;
-    let dimension = rows.len().min(tile.len());
-    let (rows, tile) = (&rows[..dimension], &tile[..dimension]);
-    // two vectors at a time
-    let mut first = 0;
-    while first < squares.len() {
-        let second = (first + 1).min(squares.len() - 1);
-        let (mut a, mut b) = ([squares[first]; TILE], [squares[second]; TILE]);
-        for coordinate in 0..dimension {
-            let (row, query) = (S::as_simd_f32s(&rows[coordinate]).0, &tile[coordinate]);
-            for lane in 0..TILE {
-                let value = simd.splat_f32s(query[lane]);
-                a[lane] = simd.add_f32s(a[lane], simd.mul_f32s(value, row[first]));
-                b[lane] = simd.add_f32s(b[lane], simd.mul_f32s(value, row[second]));
+    let mut sums = [[products.zero(); 2]; TILE];
+    for (row, queries) in rows.iter().zip(tile) {
+        let (first, second) = row.split_at(LANES);
+        let (Some(first), Some(second)) = (first.first_chunk(), second.first_chunk()) else { continue };
+        for lane in 0..TILE {
+            sums[lane][0] = products.add(sums[lane][0], first, queries[lane]);
+            sums[lane][1] = products.add(sums[lane][1], second, queries[lane]);
+        }
+    }
+    for lane in 0..TILE {
+        for half in 0..2 {
+            let sums = products.sums(sums[lane][half]);
+            let places = half * LANES..(half + 1) * LANES;
+            let out = parts[lane][places.clone()].iter_mut().zip(&squares[places]).zip(sums);
+            for ((part, square), sum) in out {
+                *part = square + factors[lane] * sum as f32;
             }
         }
-        for lane in 0..TILE {
-            let out = S::as_mut_simd_f32s(&mut parts[lane]).0;
-            (out[first], out[second]) = (a[lane], b[lane]);
-        }
-        first += 2;
     }
 }
 
@@ -375,23 +533,22 @@ fn passes<S: Simd>(simd: S, parts: &[f32; BLOCK], limit: f32) -> bool {
 struct Scan<'a> {
     of: &'a Blocks,
     blocks: Range<usize>,
-    tiles: &'a [[f32; TILE]],
+    tiles: &'a Tiles,
     asking: &'a [u32],
     nearest: &'a mut [Nearest],
 }
 
-impl WithSimd for Scan<'_> {
-    type Output = ();
-
+impl Pass for Scan<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let dimension = self.of.dimension;
+    fn run<S: Simd, P: Products>(self, simd: S, products: P) {
+        let pairs = self.of.pairs();
         let mut out = [[0.0; BLOCK]; TILE];
         for block in self.blocks {
-            let rows = &self.of.rows[block * dimension..][..dimension];
+            let rows = &self.of.rows[block * pairs..][..pairs];
             let (squares, indices) = (&self.of.squares[block], &self.of.indices[block]);
             for tile in 0..self.asking.len().div_ceil(TILE) {
-                parts(simd, rows, squares, &self.tiles[tile * dimension..][..dimension], &mut out);
+                let queries = &self.tiles.rows[tile * pairs..][..pairs];
+                parts(products, rows, squares, queries, &self.tiles.factors[tile], &mut out);
                 for (parts, &number) in out.iter().zip(&self.asking[tile * TILE..]) {
                     let nearest = &mut self.nearest[number as usize];
                     if passes(simd, parts, nearest.limit) {
@@ -494,33 +651,33 @@ impl Nearest {
 fn nearest_blocks(blocks: &Blocks, points: &[f32], dimension: usize) -> Vec<u32> {
     let numbers: Vec<u32> = (0..(points.len() / dimension) as u32).collect();
     let mut found = vec![0; numbers.len()];
-    let mut scratch = Vec::new();
+    let mut tiles = Tiles::default();
+    let points = WholeQueries::new(points, dimension);
     for (numbers, found) in numbers.chunks(TOGETHER).zip(found.chunks_mut(TOGETHER)) {
-        fill_tiles(points, dimension, numbers, &mut scratch);
-        Arch::new().dispatch(NearestOne { of: blocks, tiles: &scratch, found });
+        tiles.fill(&points, blocks, numbers);
+        dispatch(NearestOne { of: blocks, tiles: &tiles, found });
     }
     found
 }
 
 struct NearestOne<'a> {
     of: &'a Blocks,
-    tiles: &'a [[f32; TILE]],
+    tiles: &'a Tiles,
     found: &'a mut [u32],
 }
 
-impl WithSimd for NearestOne<'_> {
-    type Output = ();
-
+impl Pass for NearestOne<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let dimension = self.of.dimension;
+    fn run<S: Simd, P: Products>(self, simd: S, products: P) {
+        let pairs = self.of.pairs();
         let mut out = [[0.0; BLOCK]; TILE];
         let mut least = [f32::INFINITY; TOGETHER];
         for block in 0..self.of.squares.len() {
-            let rows = &self.of.rows[block * dimension..][..dimension];
+            let rows = &self.of.rows[block * pairs..][..pairs];
             let (squares, indices) = (&self.of.squares[block], &self.of.indices[block]);
             for tile in 0..self.found.len().div_ceil(TILE) {
-                parts(simd, rows, squares, &self.tiles[tile * dimension..][..dimension], &mut out);
+                let queries = &self.tiles.rows[tile * pairs..][..pairs];
+                parts(products, rows, squares, queries, &self.tiles.factors[tile], &mut out);
                 let points = least.iter_mut().zip(self.found.iter_mut()).skip(tile * TILE);
                 for (parts, (least, found)) in out.iter().zip(points) {
                     if passes(simd, parts, *least) {
@@ -671,20 +828,19 @@ mod tests {
         let (a, b) = (build(), build());
         assert_eq!((&a.lists.rows, &a.starts), (&b.lists.rows, &b.starts));
         let numbers: Vec<u32> = (0..8).collect();
-        let mut tiles = Vec::new();
-        fill_tiles(&queries, DIMENSION, &numbers, &mut tiles);
-        let scan = |arch: Arch| {
+        let mut tiles = Tiles::default();
+        tiles.fill(&WholeQueries::new(&queries, DIMENSION), &a.lists, &numbers);
+        let scan = |plain: bool| {
             let mut nearest: Vec<Nearest> = (0..8).map(|_| Nearest::new(40, 1e-5)).collect();
             let blocks = 0..a.lists.squares.len();
-            arch.dispatch(Scan {
-                of: &a.lists,
-                blocks,
-                tiles: &tiles,
-                asking: &numbers,
-                nearest: &mut nearest,
-            });
+            let pass = Scan { of: &a.lists, blocks, tiles: &tiles, asking: &numbers, nearest: &mut nearest };
+            if plain {
+                pass.run(pulp::Scalar, Plain)
+            } else {
+                dispatch(pass)
+            }
             nearest.iter_mut().map(|n| n.in_order(40).collect::<Vec<_>>()).collect::<Vec<_>>()
         };
-        assert_eq!(scan(Arch::Scalar), scan(Arch::new()));
+        assert_eq!(scan(true), scan(false));
     }
 }

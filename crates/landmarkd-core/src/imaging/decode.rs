@@ -13,6 +13,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use jpeg_decoder::PixelFormat;
 use memchr::memmem;
+use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
 
 use super::reduction::{Reduction, reduced_size};
@@ -463,10 +464,12 @@ impl Layout {
         match (self.colour, self.alpha) {
             (false, false) => gray(self.planes(samples, reduction, |[v]| [level(v)])),
             (false, true) => gray(self.planes(samples, reduction, |[v, a]| [over_black(v, a)])),
-            (true, false) => Frame::colour(self.planes(samples, reduction, |rgb: [T; 3]| rgb.map(&level))),
-            (true, true) => Frame::colour(
-                self.planes(samples, reduction, |[r, g, b, a]| [r, g, b].map(|v| over_black(v, a))),
+            (true, false) => Frame::colour(
+                self.planes(samples, reduction, |[r, g, b]: [T; 3]| [level(r), level(g), level(b)]),
             ),
+            (true, true) => Frame::colour(self.planes(samples, reduction, |[r, g, b, a]: [T; 4]| {
+                [over_black(r, a), over_black(g, a), over_black(b, a)]
+            })),
         }
     }
 
@@ -479,16 +482,45 @@ impl Layout {
     ) -> [Image; M] {
         let pixels = samples.as_chunks::<N>().0;
         let Some(reduction) = reduction else {
-            return std::array::from_fn(|plane| {
-                let levels = pixels.iter().map(|&pixel| levels(pixel)[plane]).collect();
-                Image::new(self.width, self.height, levels)
-            });
+            let mut planes = [(); M].map(|()| vec![0.0; pixels.len()]);
+            Arch::new().dispatch(Apart { pixels, levels, planes: &mut planes });
+            return planes.map(|plane| Image::new(self.width, self.height, plane));
         };
         reduction.planes(|y, weight, sums| {
             for (sums, &pixel) in sums.iter_mut().zip(&pixels[y * self.width..][..self.width]) {
                 sums.iter_mut().zip(levels(pixel)).for_each(|(sum, level)| *sum += weight * level);
             }
         })
+    }
+}
+
+/// Pixels that are taken apart together.
+const TILE_PX: usize = 64;
+
+/// Planes from interleaved pixels.
+struct Apart<'a, T, F, const N: usize, const M: usize> {
+    pixels: &'a [[T; N]],
+    levels: F,
+    planes: &'a mut [Vec<f32>; M],
+}
+
+impl<T: Copy, F: Fn([T; N]) -> [f32; M], const N: usize, const M: usize> WithSimd for Apart<'_, T, F, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let mut tile = [[0.0; TILE_PX]; M];
+        for (number, pixels) in self.pixels.chunks(TILE_PX).enumerate() {
+            for (at, &pixel) in pixels.iter().enumerate() {
+                let levels = (self.levels)(pixel);
+                for plane in 0..M {
+                    tile[plane][at] = levels[plane];
+                }
+            }
+            for (plane, tile) in self.planes.iter_mut().zip(&tile) {
+                plane[number * TILE_PX..][..pixels.len()].copy_from_slice(&tile[..pixels.len()]);
+            }
+        }
     }
 }
 

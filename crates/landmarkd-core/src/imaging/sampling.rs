@@ -3,6 +3,8 @@
 //! Each function is continuous inside and differs outside only; they also round differently, and pictures that are made
 //! with one must stay the same to the last bit.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::Image;
 
 /// The value at (x, y); outside, the border is continued (OpenCV's `BORDER_REPLICATE`).
@@ -61,15 +63,40 @@ pub fn resampled(image: &Image, width: usize, height: usize) -> Image {
     };
     let (columns, rows) = (taps(image.width(), width), taps(image.height(), height));
     let mut pixels = Vec::with_capacity(width * height);
+    let mut between = vec![0.0; image.width()];
     for (above, below, down) in rows {
-        let (above, below) = (image.row(above), image.row(below));
-        pixels.extend(columns.iter().map(|&(left, right, along)| {
-            let upper = above[left] + along * (above[right] - above[left]);
-            let lower = below[left] + along * (below[right] - below[left]);
-            upper + down * (lower - upper)
-        }));
+        Arch::new().dispatch(Between {
+            above: image.row(above),
+            below: image.row(below),
+            down,
+            out: &mut between,
+        });
+        pixels.extend(
+            columns
+                .iter()
+                .map(|&(left, right, along)| between[left] + along * (between[right] - between[left])),
+        );
     }
     Image::new(width, height, pixels)
+}
+
+/// A row between two others.
+struct Between<'a> {
+    above: &'a [f32],
+    below: &'a [f32],
+    down: f32,
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Between<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for ((out, above), below) in self.out.iter_mut().zip(self.above).zip(self.below) {
+            *out = above + self.down * (below - above);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -42,8 +42,11 @@ const LANES: usize = 8;
 type Lanes = [f32; LANES];
 /// Below this Euclidean length of all amplitudes there is nothing to see.
 const LEAST_LENGTH: f32 = 1e-3;
-/// Turns at which the circular correlation is evaluated.
+/// Turns at which the circular correlation is evaluated, and half of them.
 const TURNS: usize = 64;
+const HALF: usize = TURNS / 2;
+/// Frequencies that tell a turn: 0 does not.
+const WAVES: usize = FREQUENCIES - 1;
 
 /// All that is computed once for sub-windows of one radius.
 #[derive(Clone, Debug)]
@@ -57,9 +60,9 @@ pub struct GradientSignature {
     sin: [f32; SECTORS],
     /// Weight of each frequency.
     soft: [f32; FREQUENCIES],
-    /// Cosine and sine of the lowest frequencies at each turn.
-    turn_cos: Vec<[f32; FREQUENCIES]>,
-    turn_sin: Vec<[f32; FREQUENCIES]>,
+    /// Cosine and sine of each frequency from 1 on at the turns of half a circle.
+    turn_cos: [[f32; HALF]; WAVES],
+    turn_sin: [[f32; HALF]; WAVES],
 }
 
 /// The signature of the same sub-window in a picture that is flipped from left to right: gradients at the angle φ from the
@@ -133,11 +136,8 @@ impl GradientSignature {
             };
             Tap { column: x as usize, row: y as usize, upper: weights(1.0 - below), lower: weights(below) }
         };
-        let turn = |j: usize, f: fn(f64) -> f64| -> [f32; FREQUENCIES] {
-            from_fn(|k| {
-                let half = if k == 0 { 0.5 } else { 1.0 };
-                (half * f(TAU * (k * j % TURNS) as f64 / TURNS as f64)) as f32
-            })
+        let turns = |wave: usize, f: fn(f64) -> f64| -> [f32; HALF] {
+            from_fn(|j| f(TAU * ((wave + 1) * j % TURNS) as f64 / TURNS as f64) as f32)
         };
         GradientSignature {
             reach_px,
@@ -146,8 +146,8 @@ impl GradientSignature {
             sin: from_fn(|s| angle(s).sin() as f32),
             // sectors overlap: high frequencies count less
             soft: from_fn(|k| (-0.5 * (k as f64 / (0.6 * FREQUENCIES as f64)).powi(2)).exp() as f32),
-            turn_cos: (0..TURNS).map(|j| turn(j, f64::cos)).collect(),
-            turn_sin: (0..TURNS).map(|j| turn(j, f64::sin)).collect(),
+            turn_cos: from_fn(|wave| turns(wave, f64::cos)),
+            turn_sin: from_fn(|wave| turns(wave, f64::sin)),
         }
     }
 
@@ -204,7 +204,8 @@ impl GradientSignature {
     /// By how much the sub-window of `query` is turned against `trained`, radians, from x towards y, in (−π, π].
     pub fn relative_turn(&self, query: &[f32], trained: &[i8]) -> f32 {
         let correlation = Arch::new().dispatch(Correlate { plan: self, query, trained });
-        let top = (0..TURNS).fold(0, |best, j| if correlation[j] > correlation[best] { j } else { best });
+        let highest = correlation.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let top = correlation.iter().position(|&value| value == highest).unwrap_or(0);
         let (a, b, d) =
             (correlation[(top + TURNS - 1) % TURNS], correlation[top], correlation[(top + 1) % TURNS]);
         let curvature = a - 2.0 * b + d;
@@ -485,6 +486,7 @@ fn transform<S: Simd>(
     }
 }
 
+/// The circular correlation of two spectra at each turn, less what frequency 0 adds to all of them.
 struct Correlate<'a> {
     plan: &'a GradientSignature,
     query: &'a [f32],
@@ -496,21 +498,29 @@ impl WithSimd for Correlate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> [f32; TURNS] {
-        let (mut re, mut im) = ([0.0_f32; FREQUENCIES], [0.0_f32; FREQUENCIES]);
-        for (q, t) in self.query.chunks_exact(CHANNEL).zip(self.trained.chunks_exact(CHANNEL)) {
-            for k in 0..FREQUENCIES {
-                let (a, b) = (q[k], q[FREQUENCIES + k]);
-                let (c, d) = (f32::from(t[k]), f32::from(t[FREQUENCIES + k]));
-                re[k] += a * c + b * d;
-                im[k] += b * c - a * d;
+        let (mut re, mut im) = ([0.0_f32; WAVES], [0.0_f32; WAVES]);
+        let (query, trained) = (self.query.as_chunks::<CHANNEL>().0, self.trained.as_chunks::<CHANNEL>().0);
+        for (q, t) in query.iter().zip(trained) {
+            for wave in 0..WAVES {
+                let (a, b) = (q[1 + wave], q[FREQUENCIES + 1 + wave]);
+                let (c, d) = (f32::from(t[1 + wave]), f32::from(t[FREQUENCIES + 1 + wave]));
+                re[wave] += a * c + b * d;
+                im[wave] += b * c - a * d;
             }
         }
-        let mut out = [0.0_f32; TURNS];
-        let turns = self.plan.turn_cos.iter().zip(&self.plan.turn_sin);
-        for (out, (cos, sin)) in out.iter_mut().zip(turns) {
-            for k in 0..FREQUENCIES {
-                *out += re[k] * cos[k] - im[k] * sin[k];
+        // half a turn on, odd frequencies change their sign: k = wave + 1
+        let mut parts = [[0.0_f32; HALF]; 2];
+        for wave in 0..WAVES {
+            let (cos, sin, part) =
+                (&self.plan.turn_cos[wave], &self.plan.turn_sin[wave], &mut parts[wave % 2]);
+            for j in 0..HALF {
+                part[j] += re[wave] * cos[j] - im[wave] * sin[j];
             }
+        }
+        let [odd, even] = &parts;
+        let mut out = [0.0_f32; TURNS];
+        for j in 0..HALF {
+            (out[j], out[j + HALF]) = (even[j] + odd[j], even[j] - odd[j]);
         }
         out
     }

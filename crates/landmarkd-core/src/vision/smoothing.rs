@@ -54,8 +54,40 @@ impl<'a, T: Iterator<Item = (&'a [f32], &'a [f32])>> WithSimd for WeightedPairs<
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        for (k, (before, after)) in self.taps.enumerate() {
+    fn with_simd<S: Simd>(mut self, _simd: S) {
+        // short kernels keep their sums in registers
+        match self.kernel.len() {
+            2 => self.at_once::<2>(),
+            3 => self.at_once::<3>(),
+            4 => self.at_once::<4>(),
+            5 => self.at_once::<5>(),
+            _ => self.pair_by_pair(),
+        }
+    }
+}
+
+impl<'a, T: Iterator<Item = (&'a [f32], &'a [f32])>> WeightedPairs<'_, T> {
+    #[inline(always)]
+    fn at_once<const N: usize>(&mut self) {
+        let length = self.out.len();
+        let mut pairs: [(&[f32], &[f32]); N] = [(&[], &[]); N];
+        let mut weights = [0.0; N];
+        for (k, (before, after)) in self.taps.by_ref().take(N).enumerate() {
+            (pairs[k], weights[k]) = ((&before[..length], &after[..length]), self.kernel[k]);
+        }
+        let pairs = pairs.map(|(before, after)| (&before[..length], &after[..length]));
+        for (p, out) in self.out.iter_mut().enumerate() {
+            let mut sum = weights[0] * pairs[0].0[p];
+            for k in 1..N {
+                sum += weights[k] * (pairs[k].0[p] + pairs[k].1[p]);
+            }
+            *out = sum;
+        }
+    }
+
+    #[inline(always)]
+    fn pair_by_pair(&mut self) {
+        for (k, (before, after)) in self.taps.by_ref().enumerate() {
             let weight = self.kernel[k];
             let centre = k == 0;
             let (before, after) = (&before[..self.out.len()], &after[..self.out.len()]);

@@ -7,9 +7,8 @@ use super::options::{Signature, Viewpoint};
 use super::position_prior::{row_length, with_positions};
 use crate::eigen::{EigenpointIndex, InvertedIndex, Neighbour};
 
-/// Below so many eigenpoints all are looked at: an index would save little, and lose decisions near the threshold (2 of
-/// 15 of nine rooms, 16 thousand eigenpoints).
-const EXACT_BELOW: usize = 20_000;
+/// Below so many eigenpoints all are looked at: an index would save little.
+const EXACT_BELOW: usize = 4096;
 
 /// The eigenpoints of a database as they are searched: signatures of gradients are many.
 pub(super) enum WindowIndex {
