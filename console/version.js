@@ -77,6 +77,7 @@ function summary(page, {version, created_at: at, digest, revision, counts, artif
 }
 
 const WARNINGS = {
+  not_checked: "Not checked yet: the version serves, and is still to be asked about its own pictures.",
   not_calibrated: "Not calibrated: no exemplar was recognised in its synthetic views, so answers have no confidence. "
     + "More exemplars a label, or larger pictures, help most.",
 };

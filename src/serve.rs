@@ -288,7 +288,6 @@ async fn collect_orphans(service: Service) {
 /// Removes descriptions of pictures that are gone.
 async fn collect_descriptions(service: Service) {
     loop {
-        tokio::time::sleep(COLLECT_EVERY).await;
         match service.databases.collect_descriptions().await {
             Ok(0) => {}
             Ok(removed) => tracing::info!(removed, "removed descriptions of pictures that are gone"),
@@ -299,6 +298,7 @@ async fn collect_descriptions(service: Service) {
                 );
             }
         }
+        tokio::time::sleep(COLLECT_EVERY).await;
     }
 }
 

@@ -71,7 +71,7 @@ const CORE_DOORS: &[(&str, &[&str])] = &[
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
     ("kiddo", &["eigen"]),
-    ("pulp", &["vision", "eigen", "recognition", "depth"]),
+    ("pulp", &["imaging", "vision", "eigen", "recognition", "depth"]),
 ];
 
 /// Where a word of the service may stand: folders or files of `src`.

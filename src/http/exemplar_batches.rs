@@ -289,7 +289,8 @@ impl Batch<'_> {
             let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
             return answer.note(file, Err(problem));
         };
-        let negative = label == NEGATIVE_FOLDER;
+        let is_negative = |folder: &FilePath| folder.iter().any(|name| name == NEGATIVE_FOLDER);
+        let negative = path.parent().is_some_and(is_negative);
         let (label, pose_deg) = (Some(label).filter(|_| !negative), pose_deg.filter(|_| !negative));
         let outcome = match self.entry_bytes(entry, limits.max_body_bytes).await? {
             Some(bytes) => self.keep(label.as_deref(), negative, pose_deg, bytes).await,

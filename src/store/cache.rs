@@ -161,12 +161,14 @@ impl<K: Key> Inner<K> {
         fs::create_dir_all(&self.folder)?;
         let mut found = Vec::new();
         for entry in fs::read_dir(&self.folder)? {
-            let entry = entry?;
+            // one that can't be looked at must not hide the others from their limit
+            let Ok(entry) = entry else { continue };
             let file_name = entry.file_name();
             let file_name = file_name.to_string_lossy();
-            let metadata = entry.metadata()?;
+            let Ok(metadata) = entry.metadata() else { continue };
             if let Ok(name) = file_name.parse::<K>() {
-                found.push((metadata.modified()?, name, metadata.len()));
+                let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                found.push((used, name, metadata.len()));
             } else if file_name.contains('#') {
                 fs::remove_file(entry.path()).ok();
             }

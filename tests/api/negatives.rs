@@ -125,6 +125,10 @@ async fn a_negative_exemplar_is_listed_chosen_and_deleted() {
         listed["items"].as_array().unwrap().len()
     };
     assert_eq!((count("").await, count("?negative=true").await, count("?negative=false").await), (3, 1, 2));
+    // an empty label is no label: it chooses none
+    assert_eq!(count("?label=").await, 0);
+    app.delete("/v1/databases/lab/exemplars?label=").await;
+    assert_eq!(count("?negative=true").await, 1);
     app.delete("/v1/databases/lab/exemplars?negative=true").await.expect(204);
     assert_eq!((count("").await, count("?negative=true").await), (2, 0));
 }
@@ -133,7 +137,7 @@ async fn a_negative_exemplar_is_listed_chosen_and_deleted() {
 async fn a_batch_teaches_negative_exemplars_too() {
     let app = App::start().await;
     create(&app, "lab").await;
-    let files = [("desk/1.png", scene_png(1)), ("_negative/room__5.png", scene_png(2))];
+    let files = [("desk/1.png", scene_png(1)), ("_negative/monday/room__5.png", scene_png(2))];
     let archive = tar(&files).await;
     let path = "/v1/databases/lab/exemplars:batch";
     let answer = app.post_bytes(path, "application/x-tar", archive).await.expect(200);

@@ -1,7 +1,7 @@
 //! Past paper A, on pictures that people took: one or three pictures of a thing or place are taught, others asked, and
 //! frames of something else beside them. Sets and truth are those of the files under `real` (docs/data.md).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode_reduced};
 use landmarkd_core::recognition::landmarks::{
@@ -31,18 +31,24 @@ struct Tally {
     strange_decided: usize,
 }
 
-fn tally(set: &str, options: &LandmarkOptions) -> Tally {
+/// A version that was taught a set, the set, and the folder that its files are relative to.
+fn taught(set: &str, options: &LandmarkOptions) -> (Landmarks, Set, PathBuf) {
     let folder = folder().join("real");
     let text = std::fs::read_to_string(folder.join(format!("{set}.json"))).expect("the set is there");
-    let set_of: Set = serde_json::from_str(&text).expect("it is a set");
-    let frame = |file: &str| read(&folder.join(file), options);
-    let described = set_of.train.iter().enumerate().map(|(number, (label, file))| {
-        describe(ExemplarName { id: number.to_string(), label: label.clone() }, &frame(file), options)
+    let set: Set = serde_json::from_str(&text).expect("it is a set");
+    let described = set.train.iter().enumerate().map(|(number, (label, file))| {
+        let name = ExemplarName { id: number.to_string(), label: label.clone() };
+        describe(name, &read(&folder.join(file), options), options)
     });
     let (model, _) = Landmarks::train(described.collect(), options).expect("a model");
+    (model, set, folder)
+}
+
+fn tally(set: &str, options: &LandmarkOptions) -> Tally {
+    let (model, asked, folder) = taught(set, options);
     let mut tally = Tally::default();
-    for (labels, file) in &set_of.query {
-        let recognition = model.recognise(&frame(file), |_| ());
+    for (labels, file) in &asked.query {
+        let recognition = model.recognise(&read(&folder.join(file), options), |_| ());
         let decision = recognition.decision.map(|decision| decision.label);
         if labels.is_empty() {
             tally.strange += 1;
@@ -89,7 +95,7 @@ fn paintings_taught_from_the_web_are_known_on_phone_pictures() {
 #[test]
 #[ignore = "needs LANDMARKD_DATA"]
 fn buildings_are_known_from_across_the_street_more_often_than_not() {
-    tally("buildings", &LandmarkOptions::default()).assert(0.8, 0.6, 1, 1);
+    tally("buildings", &LandmarkOptions::default()).assert(0.8, 0.65, 1, 1);
 }
 
 #[test]
@@ -105,8 +111,41 @@ fn a_lab_is_known_from_a_metre_aside() {
 fn rooms_are_known_the_better_the_more_pictures_are_taught() {
     let decided = ["basement1", "basement3", "basement10"].map(|set| {
         let tally = tally(set, &upright());
-        assert!(tally.wrong <= 1 && tally.strange_decided <= 2, "{tally:?}");
+        assert!(tally.wrong == 0 && tally.strange_decided <= 1, "{tally:?}");
         tally.decided
     });
-    assert!(decided.is_sorted(), "{decided:?}");
+    assert!(decided.is_sorted() && decided[2] >= 28, "{decided:?}");
+}
+
+#[test]
+#[ignore = "needs LANDMARKD_DATA"]
+fn rooms_seen_from_far_apart_are_named_rightly_or_not_at_all() {
+    tally("rooms", &LandmarkOptions::default()).assert(0.7, 0.3, 0, 1);
+}
+
+#[test]
+#[ignore = "needs LANDMARKD_DATA"]
+fn single_frames_of_a_corridor_are_told_from_their_neighbours() {
+    tally("corridor", &upright()).assert(0.88, 0.7, 10, 0);
+}
+
+#[test]
+#[ignore = "needs LANDMARKD_DATA"]
+fn mirrored_paintings_are_unknown() {
+    let options = LandmarkOptions::default();
+    let (model, set, folder) = taught("paintings", &options);
+    let known = set.query.iter().filter(|(labels, _)| !labels.is_empty());
+    let mut named = 0;
+    for (_, file) in known.step_by(2) {
+        let frame = read(&folder.join(file), &options);
+        let (width, height) = (frame.width(), frame.height());
+        let flipped: Vec<u8> = frame
+            .to_rgb8()
+            .chunks_exact(3 * width)
+            .flat_map(|row| row.chunks_exact(3).rev().flatten().copied().collect::<Vec<u8>>())
+            .collect();
+        let recognition = model.recognise(&Frame::from_rgb8(width, height, &flipped), |_| ());
+        named += usize::from(recognition.decision.is_some());
+    }
+    assert_eq!(named, 0);
 }

@@ -139,6 +139,9 @@ fn exemplars(documents: Vec<ExemplarDocument>, edges: &[f32]) -> Result<Vec<Exem
             gradient_x,
             gradient_y,
         };
+        if document.label.as_deref() == Some("") {
+            return Err(ArtifactError::Contents);
+        }
         exemplars.push(Exemplar {
             id: document.id,
             label: document.label.unwrap_or_default(),

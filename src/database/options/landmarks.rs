@@ -19,8 +19,8 @@ words!(
     ViewpointWord, Viewpoint, { Free, Upright }
 );
 words!(
-    /// What draws attention: generalised symmetry, as in the paper, or corners (Harris): fewer points, on objects as
-    /// good, on places not.
+    /// What draws attention: generalised symmetry, as in the paper, or corners (Harris), the default of upright places with
+    /// gradient signatures.
     OperatorWord, Operator, { Symmetry, Harris }
 );
 words!(

@@ -68,7 +68,7 @@ pub struct GuessBody {
 /// Why a decision is null.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ReasonBody {
-    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `known_background`,
+    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `known_background`, `mirrored`,
     /// `unlike_anything`.
     pub code: &'static str,
     /// What was seen.
@@ -94,7 +94,7 @@ pub struct VoteBody {
     pub share: f64,
     /// Votes that counted for it: of interest points, or with `placement` of their sub-windows.
     pub points: u64,
-    /// Where its exemplar lies; null where matches don't say so, as with the paper's method and upright viewpoints.
+    /// Where its exemplar lies; null where matches don't say so, as with the paper's method, and with intensities and upright viewpoints.
     pub placement: Option<PlacementBody>,
     /// The evidence for it; null as the placement is, and with signatures of intensity.
     pub evidence: Option<AContrarioBody>,

@@ -84,7 +84,8 @@ pub struct TrackDetail {
 /// Where a robot is, by all its frames so far.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct BeliefBody {
-    /// The label that is believed more than all else together, with that probability as `confidence`; null if none is.
+    /// The label that is believed more than all else together, with that probability as `confidence`; null if none is. With
+    /// `motion: "path"` together with the places directly before and after its own.
     pub decision: Option<DecisionBody>,
     /// The likeliest labels, best first.
     pub belief: Vec<LabelBeliefBody>,
@@ -181,9 +182,9 @@ fn word(belief: &Belief) -> MotionWord {
 impl BeliefBody {
     fn of(track: &Track, top: usize) -> Self {
         let labels = track.belief.labels(&track.exemplars);
-        let believed = labels.first().filter(|best| best.probability > 0.5);
-        let decision = believed
-            .map(|best| DecisionBody { label: best.label.clone(), confidence: Some(best.probability) });
+        let decision = track.belief.decision(&track.exemplars);
+        let decision =
+            decision.map(|(label, probability)| DecisionBody { label, confidence: Some(probability) });
         let belief = labels.into_iter().take(top).map(|believed| LabelBeliefBody {
             label: believed.label,
             probability: believed.probability,

@@ -1,5 +1,5 @@
 //! Training a landmark database: interest points and signatures of each exemplar, then the eigenspace of them all;
-//! then synthetic views of the exemplars calibrate the confidence.
+//! then each picture is asked with itself left out or, with intensities, synthetic views calibrate the confidence.
 
 use std::sync::Arc;
 
@@ -34,6 +34,7 @@ pub(super) async fn train(
         Landmarks::train(described, &options).map_err(|error| {
             let code = match error {
                 TrainingError::NoLabels => Code::NoExemplars,
+                TrainingError::NegativeExemplars => Code::InvalidField,
                 _ => Code::TooFewPoints,
             };
             Stop::failed(code, chain(&error))

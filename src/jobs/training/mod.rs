@@ -2,7 +2,8 @@
 //! particular to a kind stands in a file of its own.
 //!
 //! The order of the writes is the protocol: the artifact's blob, read back and checked; then, in one transaction,
-//! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new.
+//! the version's row, the alias and the end of the job. A crash at any point leaves the old truth or the new. A version that is
+//! checked in the background is published before: its job ends, in a second transaction, with the verdict in its report.
 
 mod describing;
 mod gate;
@@ -117,6 +118,11 @@ impl Inputs {
         self.params.calibration == SelfCheck::Background && self.params.options.have_gradients()
     }
 
+    /// Whether the version's report is to say how well it knows its own pictures.
+    fn wants_verdict(&self) -> bool {
+        self.params.calibration != SelfCheck::None && self.params.options.have_gradients()
+    }
+
     async fn read(job: &JobRow, databases: &Databases) -> Result<Self, Stop> {
         let not_found = |what: String| CatalogueError::NotFound { what };
         let name = job.database.clone().ok_or_else(|| not_found("the database of a training".into()))?;
@@ -128,7 +134,7 @@ impl Inputs {
         })?;
         let params = TrainingParams::from_document(kind, &job.params)?;
         let exemplars = databases.catalogue.training_set(&name).await?;
-        if exemplars.is_empty() {
+        if exemplars.is_empty() && job.version.is_none() {
             let text = "the database has no exemplars: post some, then train";
             return Err(Stop::failed(Code::NoExemplars, text));
         }
@@ -166,7 +172,7 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
         Err(error) => return Err(error.into()),
     };
     let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
-    if inputs.is_checked_afterwards() && !report_of(&found)?.has_verdict() {
+    if inputs.wants_verdict() && !report_of(&found)?.has_verdict() {
         return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await.map(Some);
     }
     let _publishing = lease.publishing().await;
@@ -266,7 +272,8 @@ async fn check_published(worker: &Worker<'_>, inputs: &Inputs, version: i64) -> 
 
 /// The report that is kept with a version.
 fn report_of(row: &VersionRow) -> Result<Report, Stop> {
-    let kind = Kind::parse(&row.kind).unwrap_or(Kind::Landmarks);
+    let kind = Kind::parse(&row.kind)
+        .ok_or_else(|| Stop::failed(Code::Internal, format!("a version of the unknown kind {}", row.kind)))?;
     Report::from_document(kind, &row.report)
         .map_err(|error| Stop::failed(Code::Internal, format!("the report of the version: {error}")))
 }

@@ -194,6 +194,8 @@ impl Catalogue {
             let outcome = Outcome { version: Some(version), ..Outcome::default() };
             let job = jobs::succeed(c, id, token, outcome).await?;
             versions::set_report(c, database, version, report).await?;
+            let entry = NewEntry::new("version.check").in_database(database).about(version);
+            audit::append(c, &Actor::job(id), entry).await?;
             Ok(job)
         })
     }

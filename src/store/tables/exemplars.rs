@@ -161,7 +161,7 @@ pub async fn list(
     connection
         .query(
             "SELECT * FROM exemplars
-             WHERE database = $1 AND ($2 IS NULL OR label = $2) AND ($3 IS NULL OR robot_id = $3)
+             WHERE database = $1 AND ($2 IS NULL OR label = $2 AND NOT negative) AND ($3 IS NULL OR robot_id = $3)
                AND ($4 IS NULL OR created_at >= $4) AND ($5 IS NULL OR created_at < $5)
                AND ($6 IS NULL OR negative = $6) AND ($7 IS NULL OR id > $7)
              ORDER BY id LIMIT $8",
@@ -217,7 +217,7 @@ pub async fn delete_matching(
     connection
         .query(
             "DELETE FROM exemplars
-             WHERE database = $1 AND ($2 IS NULL OR label = $2) AND ($3 IS NULL OR robot_id = $3)
+             WHERE database = $1 AND ($2 IS NULL OR label = $2 AND NOT negative) AND ($3 IS NULL OR robot_id = $3)
                AND ($4 IS NULL OR created_at >= $4) AND ($5 IS NULL OR created_at < $5)
                AND ($6 IS NULL OR negative = $6)",
         )

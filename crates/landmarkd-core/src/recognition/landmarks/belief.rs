@@ -206,6 +206,24 @@ impl Belief {
         beliefs
     }
 
+    /// The label that is believed more than all else together, with that probability. Along a path, where pictures overlap, a
+    /// label is believed together with the places directly before and after its own. `exemplars` are the model's.
+    pub fn decision(&self, exemplars: &[ExemplarName]) -> Option<(String, f64)> {
+        let LabelBelief { label, .. } = self.labels(exemplars).into_iter().next()?;
+        let is_own = |place: &usize| exemplars[self.exemplar_at(*place)].label == label;
+        let reach = match self.motion {
+            Motion::Still => 0,
+            Motion::Path(_) => 1,
+        };
+        let by_place = self.by_place();
+        let near = |place: &usize| {
+            let last = (place + reach).min(by_place.len() - 1);
+            (place.saturating_sub(reach)..=last).any(|beside| is_own(&beside))
+        };
+        let probability: f64 = (0..by_place.len()).filter(near).map(|place| by_place[place]).sum();
+        (probability > 0.5).then_some((label, probability))
+    }
+
     /// Adds the next frame, by W of every exemplar in the model's order. Only their proportions count; with none above 0
     /// the belief is predicted, and not weighed.
     pub fn add(&mut self, weights: &[f64]) {
@@ -318,6 +336,24 @@ mod tests {
             near * (0.4 + 0.6 * noise(frame, 1000)) + noise(frame, exemplar).powi(4)
         };
         (0..PLACES).map(weight).collect()
+    }
+
+    #[test]
+    fn along_a_path_the_places_beside_a_label_speak_for_it() {
+        let names: Vec<ExemplarName> =
+            (0..4).map(|place| ExemplarName { id: format!("{place}"), label: format!("{place}") }).collect();
+        let believed = |motion: Motion| {
+            let mut belief = Belief::new(motion, 4);
+            let speeds = belief.speeds().len();
+            let of_places = [0.1, 0.3, 0.35, 0.2];
+            belief.states = of_places.repeat(speeds).into_iter().map(|p| p / speeds as f64).collect();
+            belief.elsewhere = 0.05;
+            belief.decision(&names)
+        };
+        assert_eq!(believed(Motion::Still), None);
+        let (label, probability) = believed(Motion::Path((0..4).collect())).unwrap();
+        assert_eq!(label, "2");
+        assert!((probability - 0.85).abs() < 1e-9);
     }
 
     fn in_order() -> Belief {

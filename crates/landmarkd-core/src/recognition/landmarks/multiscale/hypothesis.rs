@@ -169,7 +169,11 @@ fn explained(
     });
     let evidence = |group: &Option<Group>| group.as_ref().map_or(f64::MIN, |group| group.evidence);
     let (map, group) = judged.max_by(|a, b| evidence(&a.1).total_cmp(&evidence(&b.1)))?;
-    let group = group.unwrap_or(Group { evidence: LEAST_EVIDENCE, witnesses: Vec::new(), asked: all.len() });
+    let group = group.unwrap_or(Group {
+        evidence: LEAST_EVIDENCE,
+        witnesses: mode.agreeing.clone(),
+        asked: all.len(),
+    });
     let support = support(exemplar, all, &map);
     Some(Hypothesis {
         exemplar: 0,

@@ -100,19 +100,20 @@ pub(super) fn recognise(
     let mut found = hypotheses(&exemplars, &seen, &weights, &options);
     likeliest_first(&mut found, options.viewpoint);
     let witness = decided(&found, &label_numbers(&model.exemplars), &votes.overlap, &options).cloned();
-    let mirrored = witness.as_ref().is_some_and(|witness| {
-        let evidence = || {
-            let batch = mirrored(&batch, size_px[0]);
-            let neighbours = nearest_but(model, &batch, held_out);
-            let votes = WindowVotes::of(model, describer, &batch, &neighbours);
-            let seen = hypothesis::Frame { size_px, matches: &votes.matches };
-            let found = hypotheses(&exemplars, &seen, &votes.weights, &options);
-            found.first().map_or(0.0, |most| most.evidence)
-        };
-        witness.evidence < BEYOND_SYMMETRY && evidence() > CLEARER * witness.evidence
-    });
     let is_negative = |found: &Hypothesis| model.exemplars[found.exemplar].is_negative();
-    let decided = witness.filter(|_| !mirrored && !found.first().is_some_and(is_negative));
+    // what the flipped frame shows for sure, and far clearer
+    let flipped = |evidence: f64| {
+        let batch = mirrored(&batch, size_px[0]);
+        let neighbours = nearest_but(model, &batch, held_out);
+        let votes = WindowVotes::of(model, describer, &batch, &neighbours);
+        let seen = hypothesis::Frame { size_px, matches: &votes.matches };
+        let most = hypotheses(&exemplars, &seen, &votes.weights, &options).into_iter().next()?;
+        let is_clearer = most.is_evident(options.least_evidence) && most.evidence > CLEARER * evidence;
+        (is_clearer && !is_negative(&most)).then_some(most)
+    };
+    let evidence = witness.as_ref().map(|witness| witness.evidence);
+    let mirrored = evidence.filter(|evidence| *evidence < BEYOND_SYMMETRY).and_then(flipped);
+    let decided = witness.filter(|_| mirrored.is_none() && !found.first().is_some_and(is_negative));
     let mut instances = match decided {
         Some(_) => all_there(&exemplars, &seen, &weights, &found, &options),
         None => Vec::new(),
@@ -165,6 +166,7 @@ fn size(model: &Landmarks, exemplar: usize) -> hypothesis::Exemplar {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Reason;
     use super::super::homography::Homography;
     use super::super::pictures::{laid, name, wall};
     use super::super::{
@@ -282,6 +284,35 @@ mod tests {
         let codes: Vec<&str> = flat.reasons.iter().map(|reason| reason.code()).collect();
         assert_eq!(codes, ["too_dark", "little_to_see", "unlike_anything"]);
         assert!(flat.votes.is_empty() && flat.a_contrario.is_none());
+    }
+
+    #[test]
+    fn a_mirrored_picture_of_what_is_symmetric_in_part_is_said_to_be_mirrored() {
+        let partly_symmetric = |seed: u64| {
+            let wall = picture(seed);
+            Image::from_fn(240, 200, |x, y| wall.at(if y > 135 && x >= 120 { 239 - x } else { x }, y))
+        };
+        let pictures = (0..WALLS).map(|seed| (seed.to_string(), partly_symmetric(seed)));
+        let model = model_of(pictures, &LandmarkOptions::default());
+        let mut said = 0;
+        for seed in 0..WALLS {
+            let picture = partly_symmetric(seed);
+            let flipped = Image::from_fn(240, 200, |x, y| picture.at(239 - x, y));
+            let asked = |image: &Image| {
+                model.recognise(&Frame::gray(shown(image, at(200.0, 180.0, 0.2, 1.0))), |_| ())
+            };
+            assert_eq!(decided(&asked(&picture)), Some(&seed.to_string()[..]));
+            let flipped = asked(&flipped);
+            assert_eq!(decided(&flipped), None, "{seed}: {:?}", flipped.a_contrario);
+            assert!(flipped.instances.is_empty());
+            // where the symmetric part alone is evident, that it is mirrored is the reason
+            let evident = flipped.a_contrario.is_some_and(|found| found.log10_false_alarms <= -2.0);
+            if evident {
+                assert_eq!(flipped.reasons, [Reason::Mirrored { label: seed.to_string() }], "{seed}");
+                said += 1;
+            }
+        }
+        assert!(said >= 2, "{said}");
     }
 
     #[test]

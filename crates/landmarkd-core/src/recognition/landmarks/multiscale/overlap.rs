@@ -29,9 +29,11 @@ impl Overlap {
             }
         }
         rows.iter_mut().for_each(|row| row.sort_by_key(|(window, _)| *window));
-        let lengths: Vec<f64> =
-            rows.iter().map(|row| product(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
-        let cosine = |(a, b): (usize, usize)| product(&rows[a], &rows[b]) / (lengths[a] * lengths[b]);
+        let lengths: Vec<f64> = rows.iter().map(|row| product(row, row).sqrt()).collect();
+        let cosine = |(a, b): (usize, usize)| match lengths[a] * lengths[b] {
+            both if both > 0.0 => product(&rows[a], &rows[b]) / both,
+            _ => f64::from(u8::from(a == b)),
+        };
         let all = 0..exemplars.len();
         let cosines = all.clone().flat_map(|a| all.clone().map(move |b| (a, b))).map(cosine).collect();
         Overlap { exemplars: exemplars.to_vec(), cosines }
@@ -82,7 +84,8 @@ mod tests {
     #[test]
     fn exemplars_overlap_as_far_as_the_same_windows_vote_for_them() {
         let votes = [(0, 3, 1.0), (1, 3, 1.0), (1, 5, 1.0), (2, 5, 1.0), (7, 9, 2.0), (0, 4, 1.0)];
-        let overlap = Overlap::of(&[3, 5, 9], votes.into_iter());
+        let overlap = Overlap::of(&[3, 5, 8, 9], votes.into_iter());
+        assert_eq!((overlap.between(8, 8), overlap.between(8, 3)), (1.0, 0.0), "nobody votes for it");
         assert!((overlap.between(3, 5) - 0.5).abs() < 1e-6);
         assert!((overlap.between(9, 9) - 1.0).abs() < 1e-6);
         assert_eq!((overlap.between(3, 9), overlap.between(4, 4), overlap.between(3, 4)), (0.0, 1.0, 0.0));

@@ -41,8 +41,8 @@ pub(super) struct Ranking<'a> {
     pub directions: &'a GradientDirections,
     /// What the decision for the likeliest rests on, where there is one: it, or a place that overlaps it.
     pub decided: Option<Hypothesis>,
-    /// Whether the likeliest is seen in a mirror.
-    pub mirrored: bool,
+    /// What the frame shows when it is flipped, if it is mirrored.
+    pub mirrored: Option<Hypothesis>,
     /// Of each exemplar the best, likeliest first.
     pub hypotheses: Vec<Hypothesis>,
     /// What is there, each thing once, most evident first.
@@ -64,7 +64,7 @@ impl Ranking<'_> {
             label: self.label(first).to_owned(),
             confidence: self.model.confidence.as_ref().map(|curve| curve.of(&evidence)),
         });
-        let also = best.iter().skip(1).filter(|other| !self.mirrored && other.is_evident(least));
+        let also = best.iter().skip(1).filter(|other| self.mirrored.is_none() && other.is_evident(least));
         let also = also
             .map(|other| Also { label: self.label(other).to_owned(), a_contrario: self.a_contrario(other) });
         let asked = windows.batch.windows.len();
@@ -98,8 +98,8 @@ impl Ranking<'_> {
     /// Why nothing is decided, where that is known: the frame is mirrored, or shows a negative exemplar at least as likely as
     /// any label, or all but one.
     fn known_reason(&self, best: &[&Hypothesis]) -> Option<Reason> {
-        if let Some(first) = best.first().filter(|_| self.mirrored) {
-            return Some(Reason::Mirrored { label: self.label(first).to_owned() });
+        if let Some(flipped) = &self.mirrored {
+            return Some(Reason::Mirrored { label: self.label(flipped).to_owned() });
         }
         let evident = |found: &&Hypothesis| found.is_evident(self.model.options.least_evidence());
         let background = self.hypotheses.iter().filter(evident).position(|found| self.is_negative(found))?;
@@ -124,7 +124,11 @@ impl Ranking<'_> {
     fn evidence(&self, best: &[&Hypothesis]) -> Evidence {
         match best {
             [] => Evidence::None,
-            [first, others @ ..] => evidence(self.decided.as_ref().unwrap_or(first), others.iter().copied()),
+            [first, others @ ..] => {
+                let decisive = self.decided.as_ref().unwrap_or(first);
+                let others = others.iter().filter(|other| other.exemplar != decisive.exemplar);
+                evidence(decisive, others.copied())
+            }
         }
     }
 
@@ -151,7 +155,7 @@ impl Ranking<'_> {
         let mut votes: Vec<(usize, PointVote)> = Vec::new();
         let mut witnesses = HashSet::new();
         for (rank, found) in best.iter().enumerate() {
-            let weight = weight(best, rank) / found.witnesses.len() as f64;
+            let weight = self.weight(best, rank) / found.witnesses.len() as f64;
             for &index in &found.witnesses {
                 let query = matches[index].query as usize;
                 witnesses.insert(query);
@@ -169,6 +173,13 @@ impl Ranking<'_> {
         votes.into_iter().map(|(_, vote)| vote).collect()
     }
 
+    /// W of the label of a rank: −log₁₀ of the number of false alarms where that is under 1, else less than 1; no more than that
+    /// of a likelier label. That of the decision is by the evidence it rests on.
+    fn weight(&self, best: &[&Hypothesis], rank: usize) -> f64 {
+        let first = self.decided.as_ref().unwrap_or(best[0]);
+        best[1..=rank].iter().fold(own_weight(first), |least, found| least.min(own_weight(found)))
+    }
+
     /// W of a label is the sum of its points' weights in their order.
     fn votes(&self, best: &[&Hypothesis], points: &[PointVote]) -> Vec<LabelVote> {
         let mut sums = vec![(0.0, 0); self.model.exemplars.len()];
@@ -183,7 +194,7 @@ impl Ranking<'_> {
             LabelVote {
                 label: self.label(found).to_owned(),
                 weight,
-                share: weight / all,
+                share: if all > 0.0 { weight / all } else { 0.0 },
                 points,
                 placement: Some(self.verified(found)),
                 a_contrario: Some(self.a_contrario(found)),
@@ -253,12 +264,6 @@ impl Ranking<'_> {
         }
         warnings
     }
-}
-
-/// W of the label of a rank: −log₁₀ of the number of false alarms where that is under 1, else less than 1; no more than that of
-/// a likelier label.
-fn weight(best: &[&Hypothesis], rank: usize) -> f64 {
-    best[..=rank].iter().map(|found| own_weight(found)).fold(f64::INFINITY, f64::min)
 }
 
 fn own_weight(found: &Hypothesis) -> f64 {

@@ -41,32 +41,27 @@ impl WindowVotes {
         };
         let exemplar_of = |neighbour: &Neighbour| model.windows[neighbour.index].exemplar as usize;
         let exemplars = model.exemplars.len();
-        let (mut weights, mut counted) = (vec![0.0; exemplars], vec![usize::MAX; exemplars]);
+        // (window, exemplar, vote), each window once an exemplar
+        let mut votes: Vec<(usize, usize, f32)> = Vec::with_capacity(neighbours.len());
+        let mut counted = vec![usize::MAX; exemplars];
         for (query, beyond, near) in rows() {
             for neighbour in near {
                 let exemplar = exemplar_of(neighbour);
                 if counted[exemplar] != query {
                     counted[exemplar] = query;
-                    weights[exemplar] += f64::from(beyond - neighbour.distance.powi(2));
+                    votes.push((query, exemplar, beyond - neighbour.distance.powi(2)));
                 }
             }
         }
+        let mut weights = vec![0.0; exemplars];
+        votes.iter().for_each(|&(_, exemplar, vote)| weights[exemplar] += f64::from(vote));
         let promising = promising(&weights);
         let overlap = match model.options.viewpoint {
             Viewpoint::Free => Overlap::none(),
             Viewpoint::Upright => {
-                let votes = |(query, beyond, near): (usize, f32, &'_ [Neighbour])| -> Vec<_> {
-                    let mut votes: Vec<(usize, usize, f32)> = Vec::with_capacity(near.len());
-                    for neighbour in near {
-                        let exemplar = exemplar_of(neighbour);
-                        if promising[exemplar] && votes.iter().all(|(_, other, _)| *other != exemplar) {
-                            votes.push((query, exemplar, beyond - neighbour.distance.powi(2)));
-                        }
-                    }
-                    votes
-                };
-                let promising: Vec<usize> = (0..exemplars).filter(|&e| promising[e]).collect();
-                Overlap::of(&promising, rows().flat_map(votes))
+                // what a negative exemplar shows speaks for no place
+                let is_place = |&e: &usize| promising[e] && !model.exemplars[e].is_negative();
+                Overlap::of(&(0..exemplars).filter(is_place).collect::<Vec<usize>>(), votes.into_iter())
             }
         };
         let most_rad = model.options.turn_prior_deg.map_or(f32::INFINITY, |deg| deg.to_radians() as f32);
