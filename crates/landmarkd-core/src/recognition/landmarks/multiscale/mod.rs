@@ -28,7 +28,7 @@ use ranking::{AskedWindows, Ranking};
 use window_votes::WindowVotes;
 
 use super::description::{DescribedExemplar, ExemplarName};
-use super::edge_template::{GradientDirections, edge_points};
+use super::edge_template::edge_points;
 use super::model::{Exemplar, Landmarks};
 use super::options::{Colour, LandmarkOptions};
 use super::recognition::{Recognition, Stage};
@@ -122,7 +122,7 @@ pub(super) fn recognise(
     let ranking = Ranking {
         model,
         working: &working,
-        directions: &GradientDirections::of(attention.smoothed()),
+        smoothed: attention.smoothed(),
         decided,
         mirrored,
         hypotheses: found,
