@@ -23,7 +23,7 @@ use decision::{decided, likeliest_first};
 use description::ScaleSpaceDescriber;
 use hypothesis::{Hypothesis, HypothesisOptions, hypotheses};
 use instance::instances;
-use mirror::{BEYOND_SYMMETRY, CLEARER, mirrored};
+use mirror::{AT_A_LOOK, BEYOND_SYMMETRY, CLEARER, EVERY, WORTH_A_LOOK, mirrored};
 use ranking::{AskedWindows, Ranking};
 use window_votes::WindowVotes;
 
@@ -101,15 +101,16 @@ pub(super) fn recognise(
     likeliest_first(&mut found, options.viewpoint);
     let witness = decided(&found, &label_numbers(&model.exemplars), &votes.overlap, &options).cloned();
     let mirrored = witness.as_ref().is_some_and(|witness| {
-        let evidence = || {
-            let batch = mirrored(&batch, size_px[0]);
+        let evidence = |every| {
+            let batch = mirrored(&batch, size_px[0], every);
             let neighbours = nearest_but(model, &batch, held_out);
             let votes = WindowVotes::of(model, describer, &batch, &neighbours);
             let seen = hypothesis::Frame { size_px, matches: &votes.matches };
             let found = hypotheses(&exemplars, &seen, &votes.weights, &options);
             found.first().map_or(0.0, |most| most.evidence)
         };
-        witness.evidence < BEYOND_SYMMETRY && evidence() > CLEARER * witness.evidence
+        let worth = || witness.evidence < WORTH_A_LOOK || evidence(EVERY) > AT_A_LOOK;
+        witness.evidence < BEYOND_SYMMETRY && worth() && evidence(1) > CLEARER * witness.evidence
     });
     let is_negative = |found: &Hypothesis| model.exemplars[found.exemplar].is_negative();
     let decided = witness.filter(|_| !mirrored && !found.first().is_some_and(is_negative));
