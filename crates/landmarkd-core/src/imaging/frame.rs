@@ -4,6 +4,8 @@
 
 use std::borrow::Cow;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::reduction::{Reduction, reduced_size};
 use super::{Image, bilinear_zero_padded, resampled};
 
@@ -97,6 +99,24 @@ impl Frame {
         [Image::new(width, height, red_green), Image::new(width, height, blue_yellow)]
     }
 
+    /// The opponent planes at half of the frame's size, rounded up: each pixel is the mean of four. Zero everywhere for a
+    /// gray frame.
+    pub fn half_opponent_planes(&self) -> [Image; 2] {
+        let (width, height) = (self.width().div_ceil(2), self.height().div_ceil(2));
+        let mut planes = [(); 2].map(|()| vec![0.0; width * height]);
+        if let Some(rgb) = &self.rgb {
+            let [red_green, blue_yellow] = &mut planes;
+            let out =
+                red_green.chunks_exact_mut(width.max(1)).zip(blue_yellow.chunks_exact_mut(width.max(1)));
+            for (v, (red_green, blue_yellow)) in out.enumerate() {
+                let below = (2 * v + 1).min(self.height() - 1);
+                let rows = rgb.each_ref().map(|plane| [plane.row(2 * v), plane.row(below)]);
+                Arch::new().dispatch(HalfOpponents { rows, red_green, blue_yellow });
+            }
+        }
+        planes.map(|pixels| Image::new(width, height, pixels))
+    }
+
     /// The frame as interleaved bytes r, g, b, rounded and held within 0..=255; gray gives r = g = b.
     pub fn to_rgb8(&self) -> Vec<u8> {
         let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
@@ -135,6 +155,45 @@ impl Frame {
         };
         let factor = width.max(height) as f32 / to.0.max(to.1) as f32;
         Cow::Owned(Frame { reduction: self.reduction * factor, ..frame })
+    }
+}
+
+/// Two rows of red, green and blue to one of each opponent plane.
+struct HalfOpponents<'a> {
+    rows: [[&'a [f32]; 2]; 3],
+    red_green: &'a mut [f32],
+    blue_yellow: &'a mut [f32],
+}
+
+impl WithSimd for HalfOpponents<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let [red, green, blue] = self.rows;
+        let ((r, last_r), (r_below, last_r_below)) = (red[0].as_chunks::<2>(), red[1].as_chunks::<2>());
+        let ((g, last_g), (g_below, last_g_below)) = (green[0].as_chunks::<2>(), green[1].as_chunks::<2>());
+        let ((b, last_b), (b_below, last_b_below)) = (blue[0].as_chunks::<2>(), blue[1].as_chunks::<2>());
+        let whole = r.len();
+        let (r, g, b) = (&r[..whole], &g[..whole], &b[..whole]);
+        let (r_below, g_below, b_below) = (&r_below[..whole], &g_below[..whole], &b_below[..whole]);
+        let (red_green, last_red_green) = self.red_green.split_at_mut(whole);
+        let (blue_yellow, last_blue_yellow) = self.blue_yellow.split_at_mut(whole);
+        for u in 0..whole {
+            let r = 0.25 * ((r[u][0] + r[u][1]) + (r_below[u][0] + r_below[u][1]));
+            let g = 0.25 * ((g[u][0] + g[u][1]) + (g_below[u][0] + g_below[u][1]));
+            let b = 0.25 * ((b[u][0] + b[u][1]) + (b_below[u][0] + b_below[u][1]));
+            red_green[u] = r - g;
+            blue_yellow[u] = b - (r + g) / 2.0;
+        }
+        // the last column of an odd number by itself
+        if let ([r], [g], [b], [r_below], [g_below], [b_below]) =
+            (last_r, last_g, last_b, last_r_below, last_g_below, last_b_below)
+        {
+            let (r, g, b) = (0.5 * (r + r_below), 0.5 * (g + g_below), 0.5 * (b + b_below));
+            last_red_green[0] = r - g;
+            last_blue_yellow[0] = b - (r + g) / 2.0;
+        }
     }
 }
 
@@ -181,6 +240,26 @@ mod tests {
         let [red_green, blue_yellow] = frame.opponent_planes();
         assert_eq!(red_green.pixels(), [255.0, -10.0]);
         assert_eq!(blue_yellow.pixels(), [-117.5, 15.0]);
+    }
+
+    #[test]
+    fn half_opponent_planes_are_means_of_the_whole_ones() {
+        for (width, height) in [(1, 1), (5, 4), (6, 3), (31, 17)] {
+            let bytes: Vec<u8> = (0..width * height * 3).map(|i| (i * 31 % 256) as u8).collect();
+            let frame = Frame::from_rgb8(width, height, &bytes);
+            for (half, whole) in frame.half_opponent_planes().iter().zip(frame.opponent_planes()) {
+                assert_eq!((half.width(), half.height()), (width.div_ceil(2), height.div_ceil(2)));
+                for (u, v) in (0..half.width()).flat_map(|u| (0..half.height()).map(move |v| (u, v))) {
+                    let at = |dx: usize, dy: usize| {
+                        whole.at((2 * u + dx).min(width - 1), (2 * v + dy).min(height - 1))
+                    };
+                    let mean = (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4.0;
+                    assert!((half.at(u, v) - mean).abs() < 1e-3, "{width}×{height}: ({u}, {v})");
+                }
+            }
+        }
+        let gray = Frame::gray(Image::from_fn(4, 4, |_, _| 9.0));
+        assert!(gray.half_opponent_planes().iter().all(|plane| plane.pixels() == [0.0; 4]));
     }
 
     #[test]

@@ -27,6 +27,18 @@ pub fn gradient(image: &Image) -> Gradient {
     Gradient { x: Image::new(width, height, x), y: Image::new(width, height, y) }
 }
 
+/// The gradient at one pixel, ∂/∂x and ∂/∂y: bit for bit that of [`gradient`].
+pub fn gradient_at(image: &Image, x: usize, y: usize) -> [f32; 2] {
+    let rows = [-1, 0, 1].map(|off| image.row(mirrored(y as isize + off, image.height())));
+    let down = [-1, 0, 1].map(|off| {
+        let column = mirrored(x as isize + off, image.width());
+        let [above, here, below] = rows.map(|row| row[column]);
+        ((above + below) + 2.0 * here, below - above)
+    });
+    let [left, here, right] = down;
+    [(right.0 - left.0) * 0.125, ((left.1 + right.1) + 2.0 * here.1) * 0.125]
+}
+
 /// The gradient as pairs (∂/∂x, ∂/∂y), its border continued: what samples sub-windows finds both in one place, and
 /// beyond the border what is on it.
 #[derive(Clone, Debug)]
@@ -179,6 +191,18 @@ mod tests {
         for y in 1..5 {
             for x in 1..7 {
                 assert_eq!((gradient.x.at(x, y), gradient.y.at(x, y)), (3.0, -2.0), "({x}, {y})");
+            }
+        }
+    }
+
+    #[test]
+    fn at_one_pixel_it_is_that_of_the_picture() {
+        for (width, height) in [(1, 1), (2, 1), (1, 3), (7, 5)] {
+            let picture =
+                Image::from_fn(width, height, |x, y| ((x * x * 7 + y * 31 + x * y) % 51) as f32 / 3.0);
+            let whole = gradient(&picture);
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                assert_eq!(gradient_at(&picture, x, y), [whole.x.at(x, y), whole.y.at(x, y)]);
             }
         }
     }

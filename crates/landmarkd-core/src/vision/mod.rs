@@ -20,7 +20,7 @@ pub mod subwindow;
 pub mod symmetry;
 pub mod theta_spectrum;
 
-pub use gradient::{Gradient, PaddedGradient, gradient};
+pub use gradient::{Gradient, PaddedGradient, gradient, gradient_at};
 pub use harris::harris;
 pub use interest_points::{InterestPoint, bucketed, interest_points};
 pub use opponent::OpponentPlan;

@@ -46,6 +46,11 @@ impl OpponentPlan {
         OpponentPlan { rings, sectors, ring_weight, waves }
     }
 
+    /// Samples of a sub-window.
+    pub fn samples(&self) -> usize {
+        self.rings * self.sectors
+    }
+
     /// How many numbers one opponent plane gives.
     pub fn length(&self) -> usize {
         self.rings * (1 + self.waves.len())

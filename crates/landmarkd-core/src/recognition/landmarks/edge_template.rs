@@ -3,7 +3,7 @@
 
 use super::placement::Placement;
 use crate::imaging::Image;
-use crate::vision::{Gradient, gradient};
+use crate::vision::{Gradient, gradient, gradient_at};
 
 /// Cells of a picture, about: a picture that is full of edges has as many edge points.
 const CELLS: usize = 512;
@@ -64,6 +64,19 @@ fn strongest(gradient: &Gradient, left: usize, top: usize, side: usize) -> Optio
     strongest
 }
 
+/// The direction of the gradient at a position of a picture smoothed with σ = 1 px, short where the gradient is weak; `None`
+/// outside. For a few positions: what asks for many takes [`GradientDirections`].
+pub(super) fn direction_at(smoothed: &Image, x_px: f32, y_px: f32) -> Option<[f32; 2]> {
+    // half a pixel more: the cast to an integer truncates
+    let (u, v) = (x_px + 0.5, y_px + 0.5);
+    let inside = u >= 0.0 && v >= 0.0 && u < smoothed.width() as f32 && v < smoothed.height() as f32;
+    inside.then(|| {
+        let [gx, gy] = gradient_at(smoothed, u as usize, v as usize);
+        let length = (gx * gx + gy * gy).sqrt() + SOFT_GRADIENT;
+        [gx / length, gy / length]
+    })
+}
+
 /// The directions of a frame's gradients, weak ones short: g/(‖g‖ + [`SOFT_GRADIENT`]).
 pub(super) struct GradientDirections {
     width: i32,
@@ -85,14 +98,6 @@ impl GradientDirections {
             height: smoothed.height() as i32,
             vectors: vectors.collect(),
         }
-    }
-
-    /// The direction at a position, short where the gradient is weak; `None` outside the frame.
-    pub fn at(&self, x_px: f32, y_px: f32) -> Option<[f32; 2]> {
-        // half a pixel more: the cast to an integer truncates
-        let (u, v) = (x_px + 0.5, y_px + 0.5);
-        let inside = u >= 0.0 && v >= 0.0 && u < self.width as f32 && v < self.height as f32;
-        inside.then(|| self.vectors[(v as i32 * self.width + u as i32) as usize])
     }
 }
 

@@ -1,5 +1,7 @@
 //! A homography of the plane (Hartley and Zisserman 2004): by least squares, and by RANSAC (Fischler and Bolles 1981).
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::imaging::Random;
 
 /// Points must agree for a homography to be looked at; four determine it.
@@ -9,6 +11,9 @@ pub const LEAST_POINTS: usize = 4;
 const MOST_DEPTH: f64 = 4.0;
 /// Among so many of the best pairs the first round chooses.
 const PROSAC_FIRST: usize = 8;
+
+/// Triangles smaller than this part of the square of the distances are lines.
+const DEGENERATE: f64 = 1e-6;
 
 /// A point, and the one that it corresponds to.
 pub type Correspondence = ([f64; 2], [f64; 2]);
@@ -166,6 +171,40 @@ impl Homography {
         (last.abs() > 1e-9).then(|| Homography(out.map(|row| row.map(|v| v / last))))
     }
 
+    /// The homography through four point pairs (from, to); `None` if the first points don't determine one.
+    ///
+    /// In homogeneous coordinates p₄ = Σ λᵢ pᵢ of the other three, by Cramer's rule; the map takes λᵢ pᵢ to μᵢ qᵢ.
+    fn through(pairs: &[Correspondence; 4]) -> Option<Homography> {
+        let origin = pairs[0].0;
+        let area = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let p = pairs.map(|pair| [pair.0[0] - origin[0], pair.0[1] - origin[1]]);
+        let q = pairs.map(|pair| pair.1);
+        let weights = |p: &[[f64; 2]; 4]| {
+            [area([p[3], p[1], p[2]]), area([p[0], p[3], p[2]]), area([p[0], p[1], p[3]])]
+        };
+        let (lambda, mu) = (weights(&p), weights(&q));
+        let extent = p.iter().fold(0.0_f64, |most, [x, y]| most.max(x * x + y * y));
+        let least = DEGENERATE * extent;
+        if lambda.iter().any(|v| v.abs() <= least) || area([p[0], p[1], p[2]]).abs() <= least {
+            return None;
+        }
+        let mut h = [[0.0; 3]; 3];
+        for i in 0..3 {
+            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
+            // the line through the other two: zero there
+            let line = [a[1] - b[1], b[0] - a[0], a[0] * b[1] - a[1] * b[0]];
+            let scale = mu[i] * lambda[(i + 1) % 3] * lambda[(i + 2) % 3];
+            for (row, q) in h.iter_mut().zip([q[i][0], q[i][1], 1.0]) {
+                row.iter_mut().zip(line).for_each(|(out, line)| *out += scale * q * line);
+            }
+        }
+        let h = h.map(|[a, b, c]| [a, b, c - a * origin[0] - b * origin[1]]);
+        let last = h[2][2];
+        let middle = |axis: usize| pairs.iter().map(|pair| pair.0[axis]).sum::<f64>() / 4.0;
+        let depth = h[2][0] * middle(0) + h[2][1] * middle(1) + last;
+        (last.abs() > 1e-9 * depth.abs()).then(|| Homography(h.map(|row| row.map(|v| v / last))))
+    }
+
     /// The homography that most pairs agree with to within `within_px`, refined on them; and which they are. The pairs come
     /// best first: early rounds choose among the first ones (PROSAC, Chum and Matas 2005).
     pub fn agreed(
@@ -183,6 +222,7 @@ impl Homography {
             let p = h.apply(*a);
             (p[0] - b[0]).powi(2) + (p[1] - b[1]).powi(2)
         };
+        let lanes = PairLanes::of(pairs);
         let mut left = rounds;
         let mut round = 0;
         while round < left {
@@ -198,8 +238,8 @@ impl Homography {
                     }
                 }
             }
-            let Some(h) = Homography::fitted(&chosen.map(|i| pairs[i])) else { continue };
-            let count = pairs.iter().filter(|pair| off(&h, pair) < square).count();
+            let Some(h) = Homography::through(&chosen.map(|i| pairs[i])) else { continue };
+            let count = Arch::new().dispatch(Agreeing { lanes: &lanes, map: &h, square });
             if best.as_ref().is_none_or(|(most, _)| count > *most) {
                 best = Some((count, h));
                 let share = count as f64 / pairs.len() as f64;
@@ -215,6 +255,51 @@ impl Homography {
             h = Homography::fitted(&agreeing)?;
         }
         Some((h, inliers))
+    }
+}
+
+/// Pairs that are compared with a map together.
+const LANES: usize = 8;
+
+/// Pairs with each of their four numbers side by side; padded by pairs that agree with nothing.
+struct PairLanes(Vec<[[f64; LANES]; 4]>);
+
+impl PairLanes {
+    fn of(pairs: &[Correspondence]) -> PairLanes {
+        let lanes = pairs.chunks(LANES).map(|chunk| {
+            let mut lanes = [[f64::NAN; LANES]; 4];
+            for (lane, ([x, y], [u, v])) in chunk.iter().enumerate() {
+                lanes.iter_mut().zip([x, y, u, v]).for_each(|(lanes, value)| lanes[lane] = *value);
+            }
+            lanes
+        });
+        PairLanes(lanes.collect())
+    }
+}
+
+/// How many pairs a map takes to within a distance, given its square.
+struct Agreeing<'a> {
+    lanes: &'a PairLanes,
+    map: &'a Homography,
+    square: f64,
+}
+
+impl WithSimd for Agreeing<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> usize {
+        let h = self.map.0;
+        let mut agreeing = [0_i64; LANES];
+        for [x, y, u, v] in &self.lanes.0 {
+            for i in 0..LANES {
+                let at = |r: [f64; 3]| r[0] * x[i] + r[1] * y[i] + r[2];
+                let w = at(h[2]);
+                let (du, dv) = (at(h[0]) - u[i] * w, at(h[1]) - v[i] * w); // w times as far
+                agreeing[i] += i64::from(du * du + dv * dv < self.square * (w * w));
+            }
+        }
+        agreeing.iter().sum::<i64>() as usize
     }
 }
 
@@ -287,6 +372,23 @@ mod tests {
         let line: Vec<_> =
             (0..6).map(|i| ([f64::from(i), 2.0 * f64::from(i)], [f64::from(i), 0.0])).collect();
         assert_eq!(Homography::fitted(&line), None, "points of a line determine none");
+    }
+
+    #[test]
+    fn through_four_points_it_is_the_fitted_one() {
+        let mut random = Random::new(9, 1);
+        let mut point = || [640.0 * random.uniform() - 320.0, 480.0 * random.uniform() - 240.0];
+        for _ in 0..200 {
+            let pairs: [Correspondence; 4] = std::array::from_fn(|_| (point(), point()));
+            let through = Homography::through(&pairs).unwrap();
+            for (from, to) in pairs {
+                let at = through.apply(from);
+                assert!((at[0] - to[0]).hypot(at[1] - to[1]) < 1e-5, "{at:?} for {to:?}");
+            }
+        }
+        let line = [[0.0, 0.0], [10.0, 20.0], [30.0, 60.0], [5.0, 90.0]].map(|p| (p, [p[1], p[0]]));
+        assert_eq!(Homography::through(&line), None);
+        assert_eq!(Homography::through(&[([3.0, 3.0], [1.0, 1.0]); 4]), None);
     }
 
     #[test]

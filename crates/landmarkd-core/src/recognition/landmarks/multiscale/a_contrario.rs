@@ -78,17 +78,22 @@ impl Background {
         let residuals: Vec<Residual> = matches.iter().map(|m| Residual::of(m, map, within_px)).collect();
         let tests = (self.exemplars * tests * TOLERANCES.len() * STRATA) as f64;
         let mut best: Option<Group> = None;
+        let mut chances: Option<(f32, f64)> = None;
+        // by weight: the witnesses of a nearer part are the first of those of a farther one
+        let mut ends: Vec<usize> = (0..STRATA).rev().map(|s| matches.len().div_ceil(1 << s)).collect();
+        ends.dedup();
         for (part, similar) in TOLERANCES {
             let px = within_px * part;
             let place = (PI * px * px / self.area_px).min(0.5).log10();
-            let chance =
-                self.chance_similar(middle.turn_rad as f32, middle.scale.ln() as f32, similar).log10();
+            let chance = match chances {
+                Some((of, chance)) if of == similar => chance,
+                _ => self.chance_similar(middle.turn_rad as f32, middle.scale.ln() as f32, similar).log10(),
+            };
+            chances = Some((similar, chance));
             let mut witnesses: Vec<usize> = Vec::new();
-            // by weight: the witnesses of a nearer part are the first of those of a farther one
-            let mut ends: Vec<usize> = (0..STRATA).rev().map(|s| matches.len().div_ceil(1 << s)).collect();
-            ends.dedup();
             let mut from = 0;
-            for end in ends {
+            for &end in &ends {
+                let before = witnesses.len();
                 for &i in &order[from..end] {
                     if residuals[i].within(px as f32, similar) && separate(&matches[i], &witnesses, matches) {
                         witnesses.push(i);
@@ -96,15 +101,23 @@ impl Background {
                 }
                 from = end;
                 let (n, k, s) = (end, witnesses.len(), determined_by);
-                if k > s && n > s {
-                    let alarms = tests.log10()
-                        + ((n - s) as f64).log10()
-                        + log10_choose(n, k)
-                        + log10_choose(k, s)
-                        + k as f64 * chance
-                        + (k - s) as f64 * place;
-                    if best.as_ref().is_none_or(|b| -alarms > b.evidence) {
-                        best = Some(Group { evidence: -alarms, witnesses: witnesses.clone(), asked: n });
+                // as many of more are likelier by chance
+                if k > s && n > s && k > before {
+                    let alarms = |ways: f64, of_them: f64| {
+                        tests.log10()
+                            + ((n - s) as f64).log10()
+                            + ways
+                            + of_them
+                            + k as f64 * chance
+                            + (k - s) as f64 * place
+                    };
+                    let better = |alarms: f64| best.as_ref().is_none_or(|b| -alarms > b.evidence);
+                    // what is not better without the binomials, which are ≥ 1, is not with them
+                    if better(alarms(0.0, 0.0)) {
+                        let alarms = alarms(log10_choose(n, k), log10_choose(k, s));
+                        if better(alarms) {
+                            best = Some(Group { evidence: -alarms, witnesses: witnesses.clone(), asked: n });
+                        }
                     }
                 }
             }

@@ -2,6 +2,8 @@
 //! scatter, those of a thing that is really there meet. The widths are in proportion to the exemplar: what is seen obliquely
 //! or is not flat spreads the more the larger it is.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::matching::Match;
 
 /// Widths of the kernel: of the centre as a part of the placed exemplar's diagonal, of the turn, of the scale's logarithm.
@@ -33,26 +35,31 @@ pub(super) fn modes(matches: &[Match], diagonal_px: f32, most: usize) -> Vec<Mod
     let mut considered: Vec<usize> = (0..matches.len()).collect();
     considered.sort_by(|&a, &b| matches[b].weight.total_cmp(&matches[a].weight)); // stable
     considered.truncate(MOST_MATCHES);
-    let predictions: Vec<Prediction> =
-        considered.iter().map(|&i| Prediction::of(&matches[i], diagonal_px)).collect();
+    let predictions = Predictions::of(considered.iter().map(|&i| &matches[i]), diagonal_px);
     let mut weight: Vec<f32> = considered.iter().map(|&i| matches[i].weight).collect();
+    let mut exponents = vec![0.0; predictions.sharpness.len()];
     let mut modes = Vec::new();
     while modes.len() < most {
         let mut top = (0.0, 0);
-        for (i, about) in predictions.iter().enumerate().take(MOST_CENTRES) {
+        for i in 0..considered.len().min(MOST_CENTRES) {
             if weight[i] > 0.0 {
-                let density =
-                    predictions.iter().zip(&weight).map(|(other, weight)| weight * about.kernel(other)).sum();
+                let mut density = 0.0;
+                predictions.near(i, &mut exponents, |other, kernel| density += weight[other] * kernel);
                 if density > top.0 {
                     top = (density, i);
                 }
             }
         }
-        let (density, about) = (top.0, predictions.get(top.1));
-        let Some(about) = about.filter(|_| density > 0.0) else { break };
-        let near: Vec<usize> = (0..predictions.len())
-            .filter(|&i| weight[i] > 0.0 && about.kernel(&predictions[i]) > LEAST_KERNEL)
-            .collect();
+        let (density, about) = top;
+        if density <= 0.0 {
+            break;
+        }
+        let mut near: Vec<usize> = Vec::new();
+        predictions.near(about, &mut exponents, |i, kernel| {
+            if weight[i] > 0.0 && kernel > LEAST_KERNEL {
+                near.push(i);
+            }
+        });
         if near.len() < 2 {
             break;
         }
@@ -62,41 +69,88 @@ pub(super) fn modes(matches: &[Match], diagonal_px: f32, most: usize) -> Vec<Mod
     modes
 }
 
-/// The similarity that one match predicts.
-struct Prediction {
-    centre: [f32; 2],
-    turn_rad: f32,
-    log_scale: f32,
+/// Matches that are compared together.
+const LANES: usize = 16;
+
+/// The similarities that matches predict, each number side by side; padded to a multiple of [`LANES`] by what is far from
+/// everything.
+struct Predictions {
+    centre_x: Vec<f32>,
+    centre_y: Vec<f32>,
+    turn_rad: Vec<f32>,
+    log_scale: Vec<f32>,
     /// 1 over the square of the width of the centre.
-    sharpness: f32,
+    sharpness: Vec<f32>,
 }
 
-impl Prediction {
-    fn of(found: &Match, diagonal_px: f32) -> Prediction {
-        let width_px = (CENTRE_WIDTH * diagonal_px * found.scale).max(LEAST_CENTRE_WIDTH_PX);
-        Prediction {
-            centre: found.centre(),
-            turn_rad: found.turn_rad,
-            log_scale: found.scale.ln(),
-            sharpness: 1.0 / (width_px * width_px),
+impl Predictions {
+    fn of<'a>(matches: impl ExactSizeIterator<Item = &'a Match>, diagonal_px: f32) -> Predictions {
+        let padded = matches.len().next_multiple_of(LANES);
+        let [mut centre_x, mut centre_y, mut turn_rad, mut log_scale, mut sharpness] =
+            [(); 5].map(|()| Vec::with_capacity(padded));
+        for found in matches {
+            let width_px = (CENTRE_WIDTH * diagonal_px * found.scale).max(LEAST_CENTRE_WIDTH_PX);
+            let [x, y] = found.centre();
+            centre_x.push(x);
+            centre_y.push(y);
+            turn_rad.push(found.turn_rad);
+            log_scale.push(found.scale.ln());
+            sharpness.push(1.0 / (width_px * width_px));
         }
+        centre_x.resize(padded, f32::INFINITY);
+        [&mut centre_y, &mut turn_rad, &mut log_scale, &mut sharpness]
+            .into_iter()
+            .for_each(|all| all.resize(padded, 0.0));
+        Predictions { centre_x, centre_y, turn_rad, log_scale, sharpness }
     }
 
-    /// 1 where both predict the same, 0 where they have nothing to do with each other.
-    fn kernel(&self, other: &Prediction) -> f32 {
-        let (dx, dy) = (self.centre[0] - other.centre[0], self.centre[1] - other.centre[1]);
-        let off = (dx * dx + dy * dy) * self.sharpness;
-        let scaled = (self.log_scale - other.log_scale) * (1.0 / SCALE_WIDTH);
-        if off + scaled * scaled > REACH {
-            return 0.0;
+    /// Calls `met` with every prediction that has to do with one of them, in their order, and the kernel: 1 where both predict
+    /// the same.
+    fn near(&self, about: usize, exponents: &mut [f32], mut met: impl FnMut(usize, f32)) {
+        Arch::new().dispatch(Exponents { all: self, about, exponents });
+        for (number, chunk) in exponents.as_chunks::<LANES>().0.iter().enumerate() {
+            let mut within = 0;
+            for exponent in chunk {
+                within += i32::from(*exponent <= REACH);
+            }
+            if within > 0 {
+                for (lane, exponent) in chunk.iter().enumerate().filter(|(_, exponent)| **exponent <= REACH) {
+                    met(number * LANES + lane, (-0.5 * exponent).exp());
+                }
+            }
         }
-        let turned = turn_between(self.turn_rad, other.turn_rad) * (1.0 / TURN_WIDTH_RAD);
-        let exponent = off + scaled * scaled + turned * turned;
-        if exponent > REACH { 0.0 } else { (-0.5 * exponent).exp() }
+    }
+}
+
+/// The square of the distance of all predictions from one, in widths of its kernel.
+struct Exponents<'a> {
+    all: &'a Predictions,
+    about: usize,
+    exponents: &'a mut [f32],
+}
+
+impl WithSimd for Exponents<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let (p, i, padded) = (self.all, self.about, self.exponents.len());
+        let (x0, y0, turn0, scale0, sharpness) =
+            (p.centre_x[i], p.centre_y[i], p.turn_rad[i], p.log_scale[i], p.sharpness[i]);
+        let (x, y) = (&p.centre_x[..padded], &p.centre_y[..padded]);
+        let (turn, scale) = (&p.turn_rad[..padded], &p.log_scale[..padded]);
+        for i in 0..padded {
+            let (dx, dy) = (x0 - x[i], y0 - y[i]);
+            let off = (dx * dx + dy * dy) * sharpness;
+            let scaled = (scale0 - scale[i]) * (1.0 / SCALE_WIDTH);
+            let turned = turn_between(turn0, turn[i]) * (1.0 / TURN_WIDTH_RAD);
+            self.exponents[i] = off + scaled * scaled + turned * turned;
+        }
     }
 }
 
 /// The angle between two turns, in 0..=π.
+#[inline(always)]
 pub(super) fn turn_between(a: f32, b: f32) -> f32 {
     let turned = (a - b).abs();
     if turned > std::f32::consts::PI { std::f32::consts::TAU - turned } else { turned }

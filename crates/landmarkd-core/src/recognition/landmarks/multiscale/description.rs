@@ -35,7 +35,7 @@ pub(in super::super) struct ScaleSpaceDescriber {
     /// At the finest level.
     radius_px: f32,
     signature: GradientSignature,
-    opponent: Option<(PolarGrid, OpponentPlan)>,
+    opponent: Option<OpponentDescriber>,
 }
 
 /// A level of the scale space with its points, most salient of each bucket first.
@@ -66,10 +66,7 @@ impl ScaleSpaceDescriber {
     /// The colour of the options must be resolved.
     pub fn new(options: &LandmarkOptions) -> ScaleSpaceDescriber {
         let radius_px = options.subwindow_radii_px[0];
-        let opponent = (options.colour == Colour::Opponent).then(|| {
-            let (rings, sectors) = (options.rings, options.sectors);
-            (PolarGrid::new(radius_px, rings, sectors), OpponentPlan::new(rings, sectors))
-        });
+        let opponent = (options.colour == Colour::Opponent).then(|| OpponentDescriber::new(options));
         ScaleSpaceDescriber {
             operator: options.operator,
             symmetry_radius_px: options.symmetry_radius_px,
@@ -118,26 +115,22 @@ impl ScaleSpaceDescriber {
     /// A§4.3, A§4.4: describes about `points` windows, shared over the levels in proportion to their sides.
     pub fn describe(&self, frame: &Frame, attention: &ScaleSpaceAttention, points: usize) -> WindowBatch {
         let whole: f32 = attention.levels.iter().map(|attended| attended.level.scale.recip()).sum();
-        let mut opponents = self.opponent.as_ref().map(|_| {
-            frame
-                .opponent_planes()
-                .map(|plane| scale_space(&plane, self.levels_per_octave, attention.levels.len()).into_iter())
-        });
+        let levels = attention.levels.len();
+        let mut colour = self.opponent.as_ref().map(|describer| describer.part(frame, levels));
         let mut batch = WindowBatch::default();
         for (number, attended) in attention.levels.iter().enumerate() {
             let share = (points as f32 / attended.level.scale / whole) as usize;
-            let colour = opponents.as_mut().and_then(|[a, b]| Some([smooth(&a.next()?), smooth(&b.next()?)]));
-            self.describe_level(number as u8, attended, share.max(LEAST_POINTS), colour, &mut batch);
+            self.describe_level(number, attended, share.max(LEAST_POINTS), &mut colour, &mut batch);
         }
         batch
     }
 
     fn describe_level(
         &self,
-        number: u8,
+        number: usize,
         attended: &AttendedLevel,
         points: usize,
-        opponents: Option<[Image; 2]>,
+        colour: &mut Option<OpponentPart<'_>>,
         batch: &mut WindowBatch,
     ) {
         let AttendedLevel { level, smoothed, points: found } = attended;
@@ -146,46 +139,84 @@ impl ScaleSpaceDescriber {
             found.iter().map(|point| [point.x_px as usize, point.y_px as usize]).collect();
         let gradient = PaddedGradient::new(smoothed, self.signature.reach_px());
         let described = self.signature.describe(&gradient, &at);
-        let mut colour = ColourPart::new(self.opponent.as_ref(), opponents);
         let in_picture = |at: f32| (at + 0.5) * level.scale - 0.5;
         let rows = described.described.iter().zip(described.signatures.chunks_exact(SIGNATURE_LENGTH));
         for (&index, signature) in rows {
             let point = found[index];
             batch.signatures.extend_from_slice(signature);
-            colour.write(&point, &mut batch.signatures);
             let at = InterestPoint { x_px: in_picture(point.x_px), y_px: in_picture(point.y_px), ..point };
-            batch.windows.push(Window { point: at, radius: number });
+            if let Some(colour) = colour {
+                colour.write(number, &at, &mut batch.signatures);
+            }
+            batch.windows.push(Window { point: at, radius: number as u8 });
         }
         batch.spectra.extend(described.spectra);
     }
 }
 
-fn smooth(level: &Level) -> Image {
-    smoothed(&level.image, SIGMA_PX)
+/// What describes the opponent planes. Colours of cameras have half the resolution of luminance: so have the planes here,
+/// and finer windows take their samples from the finest of them. No fewer sectors than luminance has: with 16 or 24 of them one
+/// frame of 15 rooms more stays undecided.
+struct OpponentDescriber {
+    levels_per_octave: usize,
+    /// By how many levels the window is finer than the planes, from none on.
+    grids: Vec<PolarGrid>,
+    plan: OpponentPlan,
 }
 
-/// What writes the colour part of signatures: nothing without colour.
-struct ColourPart<'a> {
-    plans: Option<(&'a PolarGrid, &'a OpponentPlan)>,
-    planes: Option<[Image; 2]>,
+impl OpponentDescriber {
+    fn new(options: &LandmarkOptions) -> OpponentDescriber {
+        let grid = |finer: usize| {
+            let radius_px =
+                options.subwindow_radii_px[0] / (finer as f64 / options.levels_per_octave as f64).exp2();
+            PolarGrid::new(radius_px, options.rings, options.sectors)
+        };
+        OpponentDescriber {
+            levels_per_octave: options.levels_per_octave,
+            grids: (0..=options.levels_per_octave).map(grid).collect(),
+            plan: OpponentPlan::new(options.rings, options.sectors),
+        }
+    }
+
+    /// The planes of a frame whose luminance has so many levels.
+    fn part(&self, frame: &Frame, levels: usize) -> OpponentPart<'_> {
+        let levels = levels.saturating_sub(self.levels_per_octave).max(1);
+        let planes = frame.half_opponent_planes().map(|plane| {
+            let levels = scale_space(&plane, self.levels_per_octave, levels).into_iter();
+            // a mean of four pixels is smooth enough for the finer windows that look at it
+            let smooth = |level: Level| match level.scale {
+                1.0 => level,
+                _ => Level { image: smoothed(&level.image, SIGMA_PX), ..level },
+            };
+            levels.map(smooth).collect()
+        });
+        OpponentPart {
+            of: self,
+            planes,
+            samples: vec![0.0; self.plan.samples()],
+            part: vec![0.0; self.plan.length()],
+        }
+    }
+}
+
+/// The opponent planes of a frame, level by level from half of its resolution on.
+struct OpponentPart<'a> {
+    of: &'a OpponentDescriber,
+    planes: [Vec<Level>; 2],
     samples: Vec<f32>,
     part: Vec<f32>,
 }
 
-impl<'a> ColourPart<'a> {
-    fn new(plans: Option<&'a (PolarGrid, OpponentPlan)>, planes: Option<[Image; 2]>) -> ColourPart<'a> {
-        let plans = plans.map(|(grid, plan)| (grid, plan));
-        let samples = plans.map_or(0, |(grid, _)| grid.rings() * grid.sectors());
-        let part = plans.map_or(0, |(_, plan)| plan.length());
-        ColourPart { plans, planes, samples: vec![0.0; samples], part: vec![0.0; part] }
-    }
-
-    /// Appends the part of the sub-window about a point of the level.
-    fn write(&mut self, point: &InterestPoint, signatures: &mut Vec<f32>) {
-        let (Some((grid, plan)), Some(planes)) = (self.plans, &self.planes) else { return };
-        for plane in planes {
-            grid.sample(plane, point.x_px, point.y_px, &mut self.samples);
-            plan.sign(&self.samples, OPPONENT_WEIGHT, &mut self.part);
+impl OpponentPart<'_> {
+    /// Appends the part of a level's sub-window about a point of the frame.
+    fn write(&mut self, level: usize, point: &InterestPoint, signatures: &mut Vec<f32>) {
+        for planes in &self.planes {
+            let coarser = level.saturating_sub(self.of.levels_per_octave).min(planes.len() - 1);
+            let finer = (coarser + self.of.levels_per_octave).saturating_sub(level);
+            let Level { image, scale } = &planes[coarser];
+            let in_plane = |at: f32| (at + 0.5) / (2.0 * scale) - 0.5;
+            self.of.grids[finer].sample(image, in_plane(point.x_px), in_plane(point.y_px), &mut self.samples);
+            self.of.plan.sign(&self.samples, OPPONENT_WEIGHT, &mut self.part);
             signatures.extend_from_slice(&self.part);
         }
     }

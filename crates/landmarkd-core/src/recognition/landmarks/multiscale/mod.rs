@@ -23,12 +23,12 @@ use decision::{decided, likeliest_first};
 use description::ScaleSpaceDescriber;
 use hypothesis::{Hypothesis, HypothesisOptions, hypotheses};
 use instance::instances;
-use mirror::{BEYOND_SYMMETRY, CLEARER, mirrored};
+use mirror::{AT_A_LOOK, BEYOND_SYMMETRY, CLEARER, EVERY, WORTH_A_LOOK, mirrored};
 use ranking::{AskedWindows, Ranking};
 use window_votes::WindowVotes;
 
 use super::description::{DescribedExemplar, ExemplarName};
-use super::edge_template::{GradientDirections, edge_points};
+use super::edge_template::edge_points;
 use super::model::{Exemplar, Landmarks};
 use super::options::{Colour, LandmarkOptions};
 use super::recognition::{Recognition, Stage};
@@ -101,18 +101,25 @@ pub(super) fn recognise(
     likeliest_first(&mut found, options.viewpoint);
     let witness = decided(&found, &label_numbers(&model.exemplars), &votes.overlap, &options).cloned();
     let is_negative = |found: &Hypothesis| model.exemplars[found.exemplar].is_negative();
-    // what the flipped frame shows for sure, and far clearer
-    let flipped = |evidence: f64| {
-        let batch = mirrored(&batch, size_px[0]);
+    let flipped = |every| {
+        let batch = mirrored(&batch, size_px[0], every);
         let neighbours = nearest_but(model, &batch, held_out);
         let votes = WindowVotes::of(model, describer, &batch, &neighbours);
         let seen = hypothesis::Frame { size_px, matches: &votes.matches };
-        let most = hypotheses(&exemplars, &seen, &votes.weights, &options).into_iter().next()?;
-        let is_clearer = most.is_evident(options.least_evidence) && most.evidence > CLEARER * evidence;
-        (is_clearer && !is_negative(&most)).then_some(most)
+        hypotheses(&exemplars, &seen, &votes.weights, &options).into_iter().next()
+    };
+    // what the flipped frame shows for sure, and far clearer
+    let clearer = |evidence: f64| {
+        let at_a_look = |found: Hypothesis| found.evidence > AT_A_LOOK;
+        let is_worth_it = evidence < WORTH_A_LOOK || flipped(EVERY).is_some_and(at_a_look);
+        let is_clearer = |found: &Hypothesis| {
+            found.is_evident(options.least_evidence) && found.evidence > CLEARER * evidence
+        };
+        let found = is_worth_it.then(|| flipped(1)).flatten();
+        found.filter(|found| is_clearer(found) && !is_negative(found))
     };
     let evidence = witness.as_ref().map(|witness| witness.evidence);
-    let mirrored = evidence.filter(|evidence| *evidence < BEYOND_SYMMETRY).and_then(flipped);
+    let mirrored = evidence.filter(|evidence| *evidence < BEYOND_SYMMETRY).and_then(clearer);
     let decided = witness.filter(|_| mirrored.is_none() && !found.first().is_some_and(is_negative));
     let mut instances = match decided {
         Some(_) => all_there(&exemplars, &seen, &weights, &found, &options),
@@ -123,7 +130,7 @@ pub(super) fn recognise(
     let ranking = Ranking {
         model,
         working: &working,
-        directions: &GradientDirections::of(attention.smoothed()),
+        smoothed: attention.smoothed(),
         decided,
         mirrored,
         hypotheses: found,

@@ -4,7 +4,8 @@
 //! the agreement beside the place) it named two more of 120 half hidden objects, and one strange frame of 36 beside paintings,
 //! one building of 40 and two frames of a corridor wrongly.
 
-use crate::recognition::landmarks::edge_template::{EdgePoint, GradientDirections};
+use crate::imaging::Image;
+use crate::recognition::landmarks::edge_template::{EdgePoint, direction_at};
 use crate::recognition::landmarks::homography::Homography;
 
 /// Gradients much below this count little, whatever their direction; gray levels per pixel.
@@ -47,11 +48,11 @@ impl PlacedTemplate {
     }
 
     /// The weighted mean of the cosine of the angle between the template's and the frame's gradients, weak ones counting little;
-    /// of points inside the frame, 0 without any.
-    pub fn agreement(&self, frame: &GradientDirections) -> f32 {
+    /// of points inside the frame, which is smoothed with σ = 1 px; 0 without any.
+    pub fn agreement(&self, smoothed: &Image) -> f32 {
         let (mut sum, mut weight) = (0.0, 0.0);
         for point in &self.points {
-            if let Some([gx, gy]) = frame.at(point.x, point.y) {
+            if let Some([gx, gy]) = direction_at(smoothed, point.x, point.y) {
                 sum += gx * point.gradient[0] + gy * point.gradient[1];
                 weight += point.weight;
             }

@@ -6,10 +6,9 @@ use super::hypothesis::Hypothesis;
 use super::matching::Match;
 use super::placed_template::PlacedTemplate;
 use crate::eigen::Neighbour;
-use crate::imaging::Frame;
+use crate::imaging::{Frame, Image};
 use crate::recognition::landmarks::confidence::{Evidence, log_margin};
 use crate::recognition::landmarks::description::WindowBatch;
-use crate::recognition::landmarks::edge_template::GradientDirections;
 use crate::recognition::landmarks::homography::Homography;
 use crate::recognition::landmarks::model::Landmarks;
 use crate::recognition::landmarks::options::{Colour, Viewpoint};
@@ -38,7 +37,8 @@ pub(super) struct Ranking<'a> {
     pub model: &'a Landmarks,
     /// The frame at its working size.
     pub working: &'a Frame,
-    pub directions: &'a GradientDirections,
+    /// Its luminance with σ = 1 px.
+    pub smoothed: &'a Image,
     /// What the decision for the likeliest rests on, where there is one: it, or a place that overlaps it.
     pub decided: Option<Hypothesis>,
     /// What the frame shows when it is flipped, if it is mirrored.
@@ -243,7 +243,7 @@ impl Ranking<'_> {
             placement: placement(&homography, [exemplar.width_px, exemplar.height_px]),
             homography: Some(homography),
             inliers: found.witnesses.len(),
-            agreement: PlacedTemplate::new(&exemplar.edges, &found.map).agreement(self.directions),
+            agreement: PlacedTemplate::new(&exemplar.edges, &found.map).agreement(self.smoothed),
         }
     }
 
