@@ -102,7 +102,8 @@ export function training(page, onQueued) {
   return form;
 }
 
-// The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes, or a preset is where they start from.
+// The call replaces all options of the database, so the others are sent along, unless the method or viewpoint changes, or a
+// preset is where they start from.
 async function keepOptions(page, options) {
   const {kind, options: kept} = await get(page.path);
   const another = ["method", "viewpoint", "signature"].some((name) => options[name] && options[name] !== kept[name]);
