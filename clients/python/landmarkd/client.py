@@ -189,8 +189,8 @@ class Client:
             database: its name.
             options: put over the database's for this training.
             promote: whether the alias `current` moves to the new version.
-            calibration: of landmarks, whether the version is asked about its own pictures before it is published, after,
-                or not. With "background" the job fails if the check does, and has its `version` all the same.
+            calibration: of landmarks, whether the version is asked about its own pictures before it is published,
+                after, or not. With "background" the job fails if the check does, and has its `version` all the same.
             wait: until the job has ended; otherwise follow it with `follow`.
             on_progress: called with the job as often as it changes.
 
