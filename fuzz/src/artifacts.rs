@@ -1,5 +1,6 @@
 //! Artifact files: correcting the checksum of a changed one, and what must hold for every one that is read.
 
+use bytes::Bytes;
 use landmarkd::database::artifact::{self, Artifact};
 use landmarkd::database::{Model, Options};
 use landmarkd_core::imaging::{Frame, Image};
@@ -34,8 +35,8 @@ pub fn with_checksum(file: &[u8]) -> Option<Vec<u8>> {
 
 /// Read a file; one that is taken must be whole: it recognises, and it writes itself.
 pub fn read(file: &[u8]) {
-    let Ok(read) = artifact::read(file) else { return };
-    let written = artifact::write(&read);
+    let Ok(read) = artifact::read(&Bytes::copy_from_slice(file)) else { return };
+    let written = Bytes::from(artifact::write(&read));
     let again =
         artifact::read(&written).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
     assert!(artifact::write(&again) == written, "the same version gives the same bytes");

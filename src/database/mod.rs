@@ -35,11 +35,11 @@ pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::{Kind, Options, OptionsDocument};
 pub use registry::{LoadedVersion, Registry};
 pub(crate) use report::{
-    DescriptionsReport, LandmarkReport, ObjectsReport, ReliabilityReport, Report, TrainingTimings,
-    VerdictReport,
+    DescriptionsReport, GrownReport, LandmarkReport, ObjectsReport, ReliabilityReport, Report,
+    TrainingTimings, VerdictReport,
 };
 pub use verification::{Verification, verify};
-pub use version::inputs_digest;
+pub use version::{grown_digest, inputs_digest};
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};
 
 pub use crate::store::{

@@ -30,6 +30,11 @@ pub fn inputs_digest(kind: Kind, options_document: &str, exemplars: &[ExemplarRo
     BlobName::of(text.as_bytes()).to_string()
 }
 
+/// The digest of inputs that were added to the version of a digest, hex.
+pub fn grown_digest(inputs: &str, from: &str) -> String {
+    BlobName::of(format!("landmarkd grown\n{inputs}\n{from}\n").as_bytes()).to_string()
+}
+
 impl Databases {
     /// Versions by number, after `after`.
     ///

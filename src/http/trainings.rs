@@ -15,7 +15,7 @@ use super::paths::DatabasePath;
 use super::problem::Problem;
 use crate::access::Caller;
 use crate::database::OptionsDocument;
-use crate::jobs::{Promote, SelfCheck, TrainingParams};
+use crate::jobs::{EigenspaceChoice, Promote, SelfCheck, TrainingParams};
 
 /// A training to do.
 #[derive(Debug, Default, Deserialize, ToSchema)]
@@ -31,6 +31,10 @@ pub struct NewTraining {
     /// Of landmarks: whether the version is asked about its own pictures, and whether before it is published (`wait`) or
     /// afterwards (`background`); `wait` unless given. The comparison of `promote: "if_not_worse"` comes before in any case.
     pub calibration: Option<SelfCheck>,
+    /// Of landmarks with signatures of gradients: which eigenspace the exemplars are projected on.
+    #[serde(default)]
+    #[schema(default = "auto")]
+    pub eigenspace: EigenspaceChoice,
 }
 
 /// Train the database's exemplars into a version: answers at once with a job.
@@ -51,8 +55,13 @@ pub async fn post(
         let text = "background is for landmarks with signature gradient, which decide without a calibration: give wait or none";
         return Err(Problem::field("/calibration", text));
     }
-    let params =
-        TrainingParams { options, promote: new.promote, calibration: new.calibration.unwrap_or_default() };
+    if new.eigenspace == EigenspaceChoice::Keep && !options.have_gradients() {
+        let text = "keep is for landmarks with signature gradient: give fit, or leave it out";
+        return Err(Problem::field("/eigenspace", text));
+    }
+    let NewTraining { promote, eigenspace, .. } = new;
+    let calibration = new.calibration.unwrap_or_default();
+    let params = TrainingParams { options, promote, calibration, eigenspace };
     let job = service.jobs.train(&path.database, &params, &caller.actor()).await?;
     Ok(queued(job))
 }

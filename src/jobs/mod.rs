@@ -16,4 +16,4 @@ pub use queue::{JobError, Jobs};
 pub use runner::Runner;
 pub use stop::Failure;
 pub use sweep::{SweepParams, SweepPlane};
-pub use training::{Promote, SelfCheck, TrainingParams, UnfitExemplars, VersionComparison};
+pub use training::{EigenspaceChoice, Promote, SelfCheck, TrainingParams, UnfitExemplars, VersionComparison};

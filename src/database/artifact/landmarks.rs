@@ -1,19 +1,29 @@
-//! The tensors of a landmark database: `mean` [signature], `basis` [dimension, signature], `eigenvalues`
-//! [dimension], `eigenpoints` [points, dimension], `points` [points, 3] (x, y in pixels, salience), `radius` [points]
-//! (which of the options' radii) and `owner` [points] (index into the exemplars, which stand in the header). Where
-//! matches say where an exemplar lies also `spectra` [points, rings, 24], and `contours` [contour points, 4] (x, y from
-//! the picture's centre in pixels, gradient along x and y), exemplar by exemplar.
+//! The tensors of a landmark database: `mean` [signature], `basis` [dimension, signature], `eigenvalues` [dimension]; where
+//! matches say where an exemplar lies also `contours` [contour points, 4] (x, y from the picture's centre in pixels, gradient
+//! along x and y), exemplar by exemplar. Exemplars stand in the header.
 //!
-//! Files of releases without `radius`, `spectra`, `contours` and `confidence` have one radius and none of the others.
+//! Signatures of gradients have windows in lists (`recognition/landmarks/multiscale`): `centroids` [lists, dimension],
+//! `steps` [dimension], `phase_basis` [56, 2, 36], and of each segment, from 0 on, `segment.0.starts` [lists + 1] (in blocks),
+//! `segment.0.codes` [blocks, pairs of coordinates, 16, 2], `segment.0.squares` and `segment.0.indices` [blocks, 16],
+//! `segment.0.fine` [blocks, 16, pairs], `segment.0.places` [points, 2], `segment.0.levels` [points], `segment.0.phases`
+//! [points, 64], `segment.0.exemplars` (indices into the header's) and `segment.0.windows` (from which point on each
+//! exemplar's are, and their number). The eigenpoint of a place of a list is the list's centroid plus its code times `steps`.
+//!
+//! Signatures of intensities have `eigenpoints` [points, dimension], `points` [points, 3] (x, y in pixels, salience), `radius`
+//! [points] (which of the options' radii), `owner` [points] (index into the exemplars), `spectra` [points, rings, 24]. So had
+//! those of gradients in format 1, with `spectra` [points, rings, 108]. Files of releases without `radius`, `spectra`, `contours`
+//! and `confidence` have one radius and none of the others.
 
-use safetensors::tensor::{Dtype, SafeTensors};
+use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::{ArtifactError, Tensor, le_bytes, optional, tensor};
+use super::{ArtifactError, File, Tensor, le_bytes};
 use crate::database::{Counts, LandmarkReport, Name};
+use landmarkd_core::eigen::inverted_index::{BLOCK, SegmentColumns};
 use landmarkd_core::recognition::landmarks::{
-    Confidence, EdgePoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks,
+    Confidence, EdgePoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks, PlainParts, SegmentParts,
+    TaughtParts, WindowParts,
 };
 
 /// The members of the header that only a landmark database has.
@@ -46,39 +56,26 @@ struct ConfidenceDocument {
     threshold: f64,
 }
 
-/// Header and tensors of a model.
-pub(super) fn header_and_tensors(
-    landmarks: &Landmarks,
+/// Header and tensors of a model's parts.
+pub(super) fn header_and_tensors<'a>(
+    parts: &'a LandmarkParts,
     report: &LandmarkReport,
-) -> (LandmarkHeader, Vec<Tensor>) {
-    let parts = LandmarkParts::from(landmarks);
+) -> (LandmarkHeader, Vec<Tensor<'a>>) {
     let header = LandmarkHeader {
         total_variance: parts.total_variance,
         exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
         confidence: parts.confidence.as_ref().map(ConfidenceDocument::from),
         report: report.clone(),
     };
-    let (dimension, points) = (parts.eigenvalues.len(), parts.owner.len());
-    let signature = parts.mean.len();
+    let (dimension, signature) = (parts.eigenvalues.len(), parts.mean.len());
     let mut tensors = vec![
         Tensor::of_f32("basis", vec![dimension, signature], &parts.basis),
-        Tensor::of_f32("eigenpoints", vec![points, dimension], &parts.eigenpoints),
         Tensor::of_f64("eigenvalues", &parts.eigenvalues),
         Tensor::of_f32("mean", vec![signature], &parts.mean),
-        Tensor {
-            name: "owner",
-            dtype: Dtype::U32,
-            shape: vec![points],
-            bytes: le_bytes(&parts.owner, u32::to_le_bytes),
-        },
-        Tensor::of_f32("points", vec![points, 3], &parts.points),
-        Tensor { name: "radius", dtype: Dtype::U8, shape: vec![points], bytes: parts.radius },
     ];
-    if !parts.spectra.is_empty() {
-        let rings = parts.options.rings;
-        let shape = vec![points, rings, parts.spectra.len() / (points * rings)];
-        let bytes = le_bytes(&parts.spectra, i8::to_le_bytes);
-        tensors.push(Tensor { name: "spectra", dtype: Dtype::I8, shape, bytes });
+    match &parts.windows {
+        WindowParts::Plain(plain) => tensors.extend(plain_tensors(plain, dimension, parts.options.rings)),
+        WindowParts::Taught(taught) => tensors.extend(taught_tensors(taught, dimension)),
     }
     let edges: Vec<f32> = parts.exemplars.iter().flat_map(|e| &e.edges).flat_map(edge_row).collect();
     if !edges.is_empty() {
@@ -87,28 +84,122 @@ pub(super) fn header_and_tensors(
     (header, tensors)
 }
 
+fn plain_tensors(plain: &PlainParts, dimension: usize, rings: usize) -> Vec<Tensor<'_>> {
+    let points = plain.owner.len();
+    let owner = le_bytes(&plain.owner, u32::to_le_bytes);
+    let mut tensors = vec![
+        Tensor::of_f32("eigenpoints", vec![points, dimension], &plain.eigenpoints),
+        Tensor::new("owner", Dtype::U32, vec![points], owner),
+        Tensor::of_f32("points", vec![points, 3], &plain.points),
+        Tensor::new("radius", Dtype::U8, vec![points], plain.radius[..].into()),
+    ];
+    if !plain.spectra.is_empty() {
+        let shape = vec![points, rings, plain.spectra.len() / (points * rings)];
+        tensors.push(Tensor::new("spectra", Dtype::I8, shape, le_bytes(&plain.spectra, i8::to_le_bytes)));
+    }
+    tensors
+}
+
+fn taught_tensors(taught: &TaughtParts, dimension: usize) -> Vec<Tensor<'_>> {
+    let TaughtParts { centroids, steps, phase_basis, segments } = taught;
+    let lists = centroids.len() / dimension;
+    let mut tensors = vec![
+        Tensor::of_f32("centroids", vec![lists, dimension], centroids),
+        Tensor::of_f32("phase_basis", vec![phase_basis.len() / 72, 2, 36], phase_basis),
+        Tensor::of_f32("steps", vec![dimension], steps),
+    ];
+    for (number, segment) in segments.iter().enumerate() {
+        let SegmentParts { lists: SegmentColumns { starts, codes, fine, squares, indices }, .. } = segment;
+        let (points, blocks) = (segment.levels.len(), indices.len() / BLOCK);
+        let mut add = |name: &str, dtype, shape, bytes| {
+            tensors.push(Tensor::new(tensor_name(number, name), dtype, shape, bytes));
+        };
+        add("starts", Dtype::U32, vec![lists + 1], starts.le_bytes());
+        add("codes", Dtype::I8, vec![blocks, dimension.div_ceil(2), BLOCK, 2], codes.le_bytes());
+        add("fine", Dtype::U8, vec![blocks, BLOCK, dimension.div_ceil(2)], fine.le_bytes());
+        add("squares", Dtype::F32, vec![blocks, BLOCK], squares.le_bytes());
+        add("indices", Dtype::U32, vec![blocks, BLOCK], indices.le_bytes());
+        add("places", Dtype::U16, vec![points, 2], segment.places.le_bytes());
+        add("levels", Dtype::U8, vec![points], segment.levels.le_bytes());
+        add(
+            "phases",
+            Dtype::U8,
+            vec![points, segment.phases.len() / points.max(1)],
+            segment.phases.le_bytes(),
+        );
+        add("windows", Dtype::U32, vec![segment.starts.len()], segment.starts.le_bytes());
+        let exemplars = le_bytes(&segment.exemplars, u32::to_le_bytes);
+        add("exemplars", Dtype::U32, vec![segment.exemplars.len()], exemplars);
+    }
+    tensors
+}
+
+/// The name of a segment's tensor.
+fn tensor_name(segment: usize, name: &str) -> String {
+    format!("segment.{segment}.{name}")
+}
+
+fn plain_parts(file: &File) -> Result<PlainParts, ArtifactError> {
+    let owner = file.values("owner", Dtype::U32, u32::from_le_bytes)?;
+    Ok(PlainParts {
+        eigenpoints: file.values("eigenpoints", Dtype::F32, f32::from_le_bytes)?,
+        points: file.values("points", Dtype::F32, f32::from_le_bytes)?,
+        radius: file
+            .optional("radius", Dtype::U8, u8::from_le_bytes)?
+            .unwrap_or_else(|| vec![0; owner.len()]),
+        spectra: file.optional("spectra", Dtype::I8, i8::from_le_bytes)?.unwrap_or_default(),
+        owner,
+    })
+}
+
+fn taught_parts(file: &File) -> Result<TaughtParts, ArtifactError> {
+    let floats = |name| file.values(name, Dtype::F32, f32::from_le_bytes);
+    let segments = (0..).take_while(|&number| file.has(&tensor_name(number, "starts")));
+    Ok(TaughtParts {
+        centroids: floats("centroids")?,
+        steps: floats("steps")?,
+        phase_basis: floats("phase_basis")?,
+        segments: segments.map(|number| segment(file, number)).collect::<Result<_, _>>()?,
+    })
+}
+
+fn segment(file: &File, number: usize) -> Result<SegmentParts, ArtifactError> {
+    let name = |name| tensor_name(number, name);
+    Ok(SegmentParts {
+        lists: SegmentColumns {
+            starts: file.column(&name("starts"), Dtype::U32)?,
+            codes: file.column(&name("codes"), Dtype::I8)?,
+            fine: file.column(&name("fine"), Dtype::U8)?,
+            squares: file.column(&name("squares"), Dtype::F32)?,
+            indices: file.column(&name("indices"), Dtype::U32)?,
+        },
+        places: file.column(&name("places"), Dtype::U16)?,
+        levels: file.column(&name("levels"), Dtype::U8)?,
+        phases: file.column(&name("phases"), Dtype::U8)?,
+        starts: file.column(&name("windows"), Dtype::U32)?,
+        exemplars: file.values(&name("exemplars"), Dtype::U32, u32::from_le_bytes)?,
+    })
+}
+
 /// The model of header and tensors that may hold anything, with what it counts.
 pub(super) fn assemble(
     options: LandmarkOptions,
     header: LandmarkHeader,
-    tensors: &SafeTensors,
+    file: &File,
 ) -> Result<(Landmarks, Counts), ArtifactError> {
-    let owner = tensor(tensors, "owner", Dtype::U32, u32::from_le_bytes)?;
-    let edges = optional(tensors, "contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
+    let edges = file.optional("contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
     let parts = LandmarkParts {
         options,
         exemplars: exemplars(header.exemplars, &edges)?,
-        mean: tensor(tensors, "mean", Dtype::F32, f32::from_le_bytes)?,
-        basis: tensor(tensors, "basis", Dtype::F32, f32::from_le_bytes)?,
-        eigenvalues: tensor(tensors, "eigenvalues", Dtype::F64, f64::from_le_bytes)?,
+        mean: file.values("mean", Dtype::F32, f32::from_le_bytes)?,
+        basis: file.values("basis", Dtype::F32, f32::from_le_bytes)?,
+        eigenvalues: file.values("eigenvalues", Dtype::F64, f64::from_le_bytes)?,
         total_variance: header.total_variance,
-        eigenpoints: tensor(tensors, "eigenpoints", Dtype::F32, f32::from_le_bytes)?,
-        points: tensor(tensors, "points", Dtype::F32, f32::from_le_bytes)?,
-        radius: optional(tensors, "radius", Dtype::U8, u8::from_le_bytes)?
-            .unwrap_or_else(|| vec![0; owner.len()]),
-        spectra: optional(tensors, "spectra", Dtype::I8, i8::from_le_bytes)?.unwrap_or_default(),
         confidence: header.confidence.map(Confidence::from),
-        owner,
+        windows: match file.has("eigenpoints") {
+            true => WindowParts::Plain(plain_parts(file)?),
+            false => WindowParts::Taught(taught_parts(file)?),
+        },
     };
     let named = |exemplar: &Exemplar| {
         (exemplar.is_negative() || Name::parse(&exemplar.label).is_ok())
@@ -118,7 +209,8 @@ pub(super) fn assemble(
         return Err(ArtifactError::Contents);
     }
     let radii = parts.options.subwindow_radii_px.len().max(1) as u64;
-    let (exemplars, windows) = (parts.exemplars.len() as u64, parts.owner.len() as u64);
+    let exemplars = parts.exemplars.len() as u64;
+    let windows: u64 = parts.exemplars.iter().fold(0, |sum, e| sum.saturating_add(e.windows as u64));
     let landmarks =
         Landmarks::try_from(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
     let labels = landmarks.labels().len() as u64;

@@ -11,9 +11,13 @@
 mod landmarks;
 mod objects;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::error::Error;
+use std::sync::Arc;
 
+use bytemuck::{AnyBitPattern, NoUninit};
+use bytes::Bytes;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
@@ -21,9 +25,12 @@ use super::options::{DocumentError, Options};
 use super::report::Report;
 use super::{ALGORITHM_REVISION, Counts, Kind, Model};
 use crate::store::BlobName;
+use landmarkd_core::column::Column;
+use landmarkd_core::recognition::landmarks::LandmarkParts;
+use landmarkd_core::recognition::objects::ObjectParts;
 
 /// The format that is written; older ones are read for ever.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const METADATA_KEY: &str = "landmarkd";
 
 /// A version as its file has it.
@@ -101,7 +108,7 @@ pub enum ArtifactError {
     #[error("tensor {name} is missing, or not of the type it must have")]
     Tensor {
         /// The tensor's name.
-        name: &'static str,
+        name: String,
     },
     /// The tensors are no model.
     #[error("the parts of the file don't fit together")]
@@ -138,24 +145,32 @@ struct WholeHeader<K> {
 }
 
 /// A tensor to write.
-struct Tensor {
-    name: &'static str,
+struct Tensor<'a> {
+    name: Cow<'static, str>,
     dtype: Dtype,
     shape: Vec<usize>,
     /// The values row by row, little-endian.
-    bytes: Vec<u8>,
+    bytes: Cow<'a, [u8]>,
 }
 
-impl Tensor {
+impl<'a> Tensor<'a> {
+    fn new(
+        name: impl Into<Cow<'static, str>>,
+        dtype: Dtype,
+        shape: Vec<usize>,
+        bytes: Cow<'a, [u8]>,
+    ) -> Self {
+        Self { name: name.into(), dtype, shape, bytes }
+    }
+
     /// A tensor of 32-bit floating point numbers.
     fn of_f32(name: &'static str, shape: Vec<usize>, values: &[f32]) -> Self {
-        Self { name, dtype: Dtype::F32, shape, bytes: le_bytes(values, f32::to_le_bytes) }
+        Self::new(name, Dtype::F32, shape, le_bytes(values, f32::to_le_bytes))
     }
 
     /// A vector of 64-bit floating point numbers.
     fn of_f64(name: &'static str, values: &[f64]) -> Self {
-        let bytes = le_bytes(values, f64::to_le_bytes);
-        Self { name, dtype: Dtype::F64, shape: vec![values.len()], bytes }
+        Self::new(name, Dtype::F64, vec![values.len()], le_bytes(values, f64::to_le_bytes))
     }
 }
 
@@ -169,10 +184,12 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
     let header = common_header(artifact);
     match (&artifact.model, &artifact.report) {
         (Model::Landmarks(model), Report::Landmarks(report)) => {
-            write_parts(header, landmarks::header_and_tensors(model, report))
+            let parts = LandmarkParts::from(&**model);
+            write_parts(header, landmarks::header_and_tensors(&parts, report))
         }
         (Model::Objects(model), Report::Objects(report)) => {
-            write_parts(header, objects::header_and_tensors(model, report))
+            let parts = ObjectParts::from(&**model);
+            write_parts(header, objects::header_and_tensors(&parts, report))
         }
         _ => panic!("the report is of the model's kind"),
     }
@@ -190,12 +207,12 @@ fn common_header(artifact: &Artifact) -> Header {
     }
 }
 
-fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor>)) -> Vec<u8> {
+fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor<'_>>)) -> Vec<u8> {
     let header = WholeHeader { common, of_kind };
     let header = serde_json::to_string(&header).expect("numbers and text always serialise");
     let views = tensors.iter().map(|tensor| {
         let view = TensorView::new(tensor.dtype, tensor.shape.clone(), &tensor.bytes);
-        (tensor.name, view.expect("each shape is that of its vector"))
+        (&*tensor.name, view.expect("each shape is that of its vector"))
     });
     let metadata = HashMap::from([(METADATA_KEY.to_owned(), header)]);
     let mut file = safetensors::serialize(views, Some(metadata)).expect("each name stands once");
@@ -209,10 +226,10 @@ fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor>)
 ///
 /// # Errors
 /// [`ArtifactError`]: what is wrong with the file.
-pub fn read(file: &[u8]) -> Result<Artifact, ArtifactError> {
+pub fn read(file: &Bytes) -> Result<Artifact, ArtifactError> {
     let not_safetensors = |source| ArtifactError::NotSafetensors { source };
     let (_, metadata) = SafeTensors::read_metadata(file).map_err(not_safetensors)?;
-    let tensors = SafeTensors::deserialize(file).map_err(not_safetensors)?;
+    let tensors = File { tensors: SafeTensors::deserialize(file).map_err(not_safetensors)?, bytes: file };
     let text = metadata.metadata().as_ref().and_then(|metadata| metadata.get(METADATA_KEY));
     let text = text.ok_or(ArtifactError::Metadata { source: None })?;
     let header: Header = read_header(text)?;
@@ -265,44 +282,71 @@ fn verify_checksum(file: &[u8], checksum: &str) -> Result<(), ArtifactError> {
         return Err(ArtifactError::Checksum);
     }
     let at = find(file, checksum.as_bytes()).ok_or(ArtifactError::Checksum)?;
-    let mut blank = file.to_vec();
-    blank[at..at + checksum.len()].copy_from_slice(NO_CHECKSUM.as_bytes());
-    if BlobName::of(&blank).to_string() == checksum { Ok(()) } else { Err(ArtifactError::Checksum) }
+    let parts = [&file[..at], NO_CHECKSUM.as_bytes(), &file[at + checksum.len()..]];
+    if BlobName::of_parts(parts).to_string() == checksum { Ok(()) } else { Err(ArtifactError::Checksum) }
 }
 
 fn find(text: &[u8], part: &[u8]) -> Option<usize> {
     (!part.is_empty()).then(|| text.windows(part.len()).position(|window| window == part)).flatten()
 }
 
-fn le_bytes<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> Vec<u8> {
-    values.iter().flat_map(|&value| bytes(value)).collect()
+fn le_bytes<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> Cow<'static, [u8]> {
+    values.iter().flat_map(|&value| bytes(value)).collect::<Vec<u8>>().into()
 }
 
-fn tensor<T, const N: usize>(
-    tensors: &SafeTensors,
-    name: &'static str,
-    dtype: Dtype,
-    value: impl Fn([u8; N]) -> T,
-) -> Result<Vec<T>, ArtifactError> {
-    let view = tensors.tensor(name).map_err(|_| ArtifactError::Tensor { name })?;
-    if view.dtype() != dtype {
-        return Err(ArtifactError::Tensor { name });
-    }
-    let (values, rest) = view.data().as_chunks::<N>();
-    if !rest.is_empty() {
-        return Err(ArtifactError::Tensor { name });
-    }
-    Ok(values.iter().map(|bytes| value(*bytes)).collect())
+/// The tensors of a file.
+struct File<'a> {
+    tensors: SafeTensors<'a>,
+    bytes: &'a Bytes,
 }
 
-/// The same for a tensor that may be absent.
-fn optional<T, const N: usize>(
-    tensors: &SafeTensors,
-    name: &'static str,
-    dtype: Dtype,
-    value: impl Fn([u8; N]) -> T,
-) -> Result<Option<Vec<T>>, ArtifactError> {
-    tensors.tensor(name).is_ok().then(|| tensor(tensors, name, dtype, value)).transpose()
+impl File<'_> {
+    fn has(&self, name: &str) -> bool {
+        self.tensors.tensor(name).is_ok()
+    }
+
+    /// The bytes of a tensor of that type.
+    fn data(&self, name: &str, dtype: Dtype) -> Result<&[u8], ArtifactError> {
+        let view = self.tensors.tensor(name).ok().filter(|view| view.dtype() == dtype);
+        Ok(view.ok_or_else(|| ArtifactError::Tensor { name: name.to_owned() })?.data())
+    }
+
+    /// The values of a tensor.
+    fn values<T, const N: usize>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+        value: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, ArtifactError> {
+        let (values, rest) = self.data(name, dtype)?.as_chunks::<N>();
+        if !rest.is_empty() {
+            return Err(ArtifactError::Tensor { name: name.to_owned() });
+        }
+        Ok(values.iter().map(|bytes| value(*bytes)).collect())
+    }
+
+    /// The same for a tensor that may be absent.
+    fn optional<T, const N: usize>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+        value: impl Fn([u8; N]) -> T,
+    ) -> Result<Option<Vec<T>>, ArtifactError> {
+        self.has(name).then(|| self.values(name, dtype, value)).transpose()
+    }
+
+    /// The values of a tensor where they lie in the file, or copied where they can't be used there.
+    fn column<T: AnyBitPattern + NoUninit>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+    ) -> Result<Column<T>, ArtifactError> {
+        let data = self.data(name, dtype)?;
+        let start = data.as_ptr().addr() - self.bytes.as_ptr().addr();
+        let shared = Column::shared(Arc::new(self.bytes.clone()), start..start + data.len());
+        let column = shared.or_else(|| Column::copied(data));
+        column.ok_or_else(|| ArtifactError::Tensor { name: name.to_owned() })
+    }
 }
 
 #[cfg(test)]
@@ -365,7 +409,7 @@ mod tests {
     #[test]
     fn a_file_comes_back_as_the_same_version_and_the_same_bytes() {
         let written = artifact();
-        let file = write(&written);
+        let file = Bytes::from(write(&written));
         let read = read(&file).unwrap();
         let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model) else {
             panic!("a landmark database comes back as one")
@@ -376,17 +420,23 @@ mod tests {
         assert_eq!(write(&artifact()), file, "training the same twice gives the same bytes");
     }
 
-    type Parts = (Value, Vec<Tensor>);
+    type Parts = (Value, Vec<Tensor<'static>>);
+
+    fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
+        Tensor { bytes: tensor.bytes.into_owned().into(), ..tensor }
+    }
 
     /// What reads back of an artifact with its own header and tensors changed.
     fn changed(artifact: &Artifact, change: impl Fn(&mut Parts)) -> Result<Artifact, ArtifactError> {
         let (Model::Landmarks(model), Report::Landmarks(report)) = (&artifact.model, &artifact.report) else {
             panic!("it is one of landmarks")
         };
-        let (header, tensors) = landmarks::header_and_tensors(model, report);
+        let parts = LandmarkParts::from(&**model);
+        let (header, tensors) = landmarks::header_and_tensors(&parts, report);
+        let tensors = tensors.into_iter().map(owned).collect();
         let mut parts = (serde_json::to_value(header).unwrap(), tensors);
         change(&mut parts);
-        read(&write_parts(common_header(artifact), parts))
+        read(&write_parts(common_header(artifact), parts).into())
     }
 
     #[test]
@@ -432,7 +482,7 @@ mod tests {
         let radius = |byte: u8| {
             changed(&artifact, |(_, tensors)| {
                 let radius = tensors.iter_mut().find(|tensor| tensor.name == "radius").unwrap();
-                *radius.bytes.last_mut().unwrap() = byte;
+                *radius.bytes.to_mut().last_mut().unwrap() = byte;
             })
         };
         assert!(radius(1).is_ok() && radius(2).is_err());
@@ -440,19 +490,19 @@ mod tests {
 
     #[test]
     fn every_flipped_byte_is_found() {
-        let file = write(&artifact());
+        let file = Bytes::from(write(&artifact()));
         for at in 0..file.len() {
-            let mut damaged = file.clone();
+            let mut damaged = file.to_vec();
             damaged[at] ^= 0x10;
-            assert!(read(&damaged).is_err(), "byte {at} of {} was flipped unseen", file.len());
+            assert!(read(&damaged.into()).is_err(), "byte {at} of {} was flipped unseen", file.len());
         }
     }
 
     #[test]
     fn a_file_cut_off_anywhere_is_refused() {
-        let file = write(&artifact());
+        let file = Bytes::from(write(&artifact()));
         for length in 0..file.len() {
-            assert!(read(&file[..length]).is_err(), "cut off after {length} bytes");
+            assert!(read(&file.slice(..length)).is_err(), "cut off after {length} bytes");
         }
     }
 
@@ -479,7 +529,7 @@ mod tests {
             let changed = changed(&TRAINED, |(_, tensors)| {
                 for (tensor, at, value) in &edits {
                     let count = tensors.len();
-                    let bytes = &mut tensors[tensor % count].bytes;
+                    let bytes = tensors[tensor % count].bytes.to_mut();
                     let words = bytes.len() / 4;
                     if let Some(word) = at.checked_rem(words) {
                         bytes[4 * word..4 * word + 4].copy_from_slice(value);
@@ -490,7 +540,7 @@ mod tests {
                     let Tensor { shape, bytes, .. } = &mut tensors[tensor % count];
                     if let Some(row_bytes) = bytes.len().checked_div(shape[0]) {
                         shape[0] = rows;
-                        bytes.resize(rows * row_bytes, 0);
+                        bytes.to_mut().resize(rows * row_bytes, 0);
                     }
                 }
             });
@@ -503,10 +553,10 @@ mod tests {
 
     #[test]
     fn a_newer_format_says_so() {
-        let file = write(&artifact());
-        let at = find(&file, br#"\"format\":1"#).unwrap();
-        let mut newer = file.clone();
+        let file = Bytes::from(write(&artifact()));
+        let at = find(&file, br#"\"format\":2"#).unwrap();
+        let mut newer = file.to_vec();
         newer[at + 11] = b'9';
-        assert!(matches!(read(&newer), Err(ArtifactError::TooNew { found: 9 })));
+        assert!(matches!(read(&newer.into()), Err(ArtifactError::TooNew { found: 9 })));
     }
 }

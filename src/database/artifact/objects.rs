@@ -4,11 +4,11 @@
 //! `own_eigenpoints` (views × dimension of each); and `held_out_deg`. Views, and how many of these numbers are each
 //! object's, stand in the header.
 
-use safetensors::tensor::{Dtype, SafeTensors};
+use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::{ArtifactError, Tensor, tensor};
+use super::{ArtifactError, File, Tensor};
 use crate::database::{Counts, Name, ObjectsReport};
 use landmarkd_core::recognition::objects::{
     Acceptance, Eigenspace, Logistic, ObjectOptions, ObjectPart, ObjectParts, Objects, ViewName,
@@ -55,9 +55,11 @@ struct CalibrationDocument {
 }
 
 /// Header and tensors of a model.
-pub(super) fn header_and_tensors(objects: &Objects, report: &ObjectsReport) -> (ObjectHeader, Vec<Tensor>) {
-    let parts = ObjectParts::from(objects);
-    (header_of(&parts, report), tensors_of(&parts))
+pub(super) fn header_and_tensors(
+    parts: &ObjectParts,
+    report: &ObjectsReport,
+) -> (ObjectHeader, Vec<Tensor<'static>>) {
+    (header_of(parts, report), tensors_of(parts))
 }
 
 fn header_of(parts: &ObjectParts, report: &ObjectsReport) -> ObjectHeader {
@@ -94,7 +96,7 @@ fn header_of(parts: &ObjectParts, report: &ObjectsReport) -> ObjectHeader {
     }
 }
 
-fn tensors_of(parts: &ObjectParts) -> Vec<Tensor> {
+fn tensors_of(parts: &ObjectParts) -> Vec<Tensor<'static>> {
     let (appearance, dimension) = (parts.universal.mean.len(), parts.universal.dimension());
     let own = || parts.objects.iter().filter_map(|part| part.space.as_ref());
     let own_means: Vec<f32> = own().flat_map(|space| &space.mean).copied().collect();
@@ -123,7 +125,7 @@ fn tensors_of(parts: &ObjectParts) -> Vec<Tensor> {
 pub(super) fn assemble(
     options: ObjectOptions,
     header: ObjectHeader,
-    tensors: &SafeTensors,
+    tensors: &File,
 ) -> Result<(Objects, Counts), ArtifactError> {
     let universal = Eigenspace {
         mean: floats(tensors, "mean")?,
@@ -162,7 +164,7 @@ pub(super) fn assemble(
 fn object_parts(
     documents: Vec<ObjectDocument>,
     appearance: usize,
-    tensors: &SafeTensors,
+    tensors: &File,
 ) -> Result<Vec<ObjectPart>, ArtifactError> {
     let mut means = Rest::of(floats(tensors, "own_means")?);
     let mut bases = Rest::of(floats(tensors, "own_bases")?);
@@ -196,12 +198,12 @@ fn object_parts(
     if is_used_up { Ok(objects) } else { Err(ArtifactError::Contents) }
 }
 
-fn floats(tensors: &SafeTensors, name: &'static str) -> Result<Vec<f32>, ArtifactError> {
-    tensor(tensors, name, Dtype::F32, f32::from_le_bytes)
+fn floats(tensors: &File, name: &'static str) -> Result<Vec<f32>, ArtifactError> {
+    tensors.values(name, Dtype::F32, f32::from_le_bytes)
 }
 
-fn doubles(tensors: &SafeTensors, name: &'static str) -> Result<Vec<f64>, ArtifactError> {
-    tensor(tensors, name, Dtype::F64, f64::from_le_bytes)
+fn doubles(tensors: &File, name: &'static str) -> Result<Vec<f64>, ArtifactError> {
+    tensors.values(name, Dtype::F64, f64::from_le_bytes)
 }
 
 /// What is left of a tensor that holds the numbers of all objects.

@@ -48,6 +48,30 @@ pub struct LandmarkReport {
     #[schema(value_type = Option<DescriptionsReport>)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub descriptions: Option<Option<DescriptionsReport>>,
+    /// What it has grown from; null where the eigenspace was fitted to its exemplars.
+    #[schema(value_type = Option<GrownReport>)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grown: Option<Option<GrownReport>>,
+}
+
+/// What a version has grown from, with the eigenspace that this one had.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = GrownBody)]
+pub struct GrownReport {
+    /// The number of the version before, where it was trained.
+    pub from_version: i64,
+    /// Exemplars that the eigenspace was fitted to.
+    pub fitted_exemplars: u64,
+    /// Exemplars that are new, or have another label.
+    pub added: u64,
+    /// Exemplars that are gone.
+    pub removed: u64,
+    /// Parts that the windows are kept in: each training that adds exemplars makes one, and of many one is made.
+    pub segments: u64,
+    /// Part of the energy of the new exemplars' signatures that the eigenspace doesn't hold, 0..=1.
+    pub residual: f64,
+    /// Part of the variance that it didn't hold when it was fitted.
+    pub residual_fitted: f64,
 }
 
 /// Where the descriptions of a training's exemplars came from.
@@ -100,6 +124,7 @@ impl LandmarkReport {
         self.reliability.get_or_insert_default();
         self.verdict.get_or_insert_default();
         self.descriptions.get_or_insert_default();
+        self.grown.get_or_insert_default();
         self.warnings.get_or_insert_default();
     }
 }
@@ -144,6 +169,7 @@ impl From<&TrainingReport> for LandmarkReport {
             timings_ms: None,
             verdict: None,
             descriptions: None,
+            grown: None,
         }
     }
 }

@@ -11,7 +11,7 @@ mod verdict;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-pub use landmarks::{DescriptionsReport, LandmarkReport, ReliabilityReport};
+pub use landmarks::{DescriptionsReport, GrownReport, LandmarkReport, ReliabilityReport};
 pub use objects::ObjectsReport;
 pub use verdict::VerdictReport;
 
@@ -142,7 +142,7 @@ mod tests {
                 Kind::Landmarks,
                 LANDMARKS,
                 r#","reliability":null,"warnings":[]"#,
-                r#","verdict":null,"descriptions":null"#,
+                r#","verdict":null,"descriptions":null,"grown":null"#,
             ),
             (Kind::Objects, OBJECTS, r#","touches_border":[],"several_regions":[]"#, ""),
         ] {

@@ -11,54 +11,60 @@ use crate::jobs::worker::Worker;
 use crate::problem::Code;
 use landmarkd_core::recognition::landmarks::{DescribedExemplar, LandmarkOptions, Signature, describe};
 
-/// The word for this part of a training.
-const STAGE: &str = "describing";
-
-/// The descriptions in the exemplars' order, how many were computed, and the milliseconds that all of it took.
-pub(super) async fn described(
+/// What `then` makes of each exemplar's description, in the exemplars' order; how many were computed, and the milliseconds that
+/// all of it took. Descriptions are let go one by one: they are far larger than what is made of them.
+pub(super) async fn described<T: Send + 'static>(
     worker: &Worker<'_>,
+    stage: &str,
     exemplars: Vec<ExemplarRow>,
     options: &Arc<LandmarkOptions>,
-) -> Result<(Vec<DescribedExemplar>, DescriptionsReport, f64), Stop> {
+    then: impl Fn(DescribedExemplar) -> T + Send + Sync + 'static,
+) -> Result<(Vec<T>, DescriptionsReport, f64), Stop> {
     let keeps = options.signature == Signature::Gradient;
+    let then = &Arc::new(then);
     let one = |place: usize, row: ExemplarRow| async move {
+        let then = Arc::clone(then);
         match keeps {
-            true => kept_or_computed(worker, place, row, options).await,
-            false => Ok((computed(worker, place, &row, options, |_, described| described).await?, false)),
+            true => kept_or_computed(worker, place, row, options, then).await,
+            false => Ok((
+                computed(worker, place, &row, options, move |_, described| then(described)).await?,
+                false,
+            )),
         }
     };
-    let (described, took_ms) = worker.in_parallel(STAGE, exemplars, one).await?;
-    let (described, kept): (Vec<DescribedExemplar>, Vec<bool>) = described.into_iter().unzip();
+    let (made, took_ms) = worker.in_parallel(stage, exemplars, one).await?;
+    let (made, kept): (Vec<T>, Vec<bool>) = made.into_iter().unzip();
     let kept = kept.into_iter().filter(|kept| *kept).count() as u64;
-    let report = DescriptionsReport { computed: described.len() as u64 - kept, kept };
-    Ok((described, report, took_ms))
+    let report = DescriptionsReport { computed: made.len() as u64 - kept, kept };
+    Ok((made, report, took_ms))
 }
 
-/// The kept description of an exemplar, and true; or the computed one, which is kept.
-async fn kept_or_computed(
+/// What `then` makes of the kept description of an exemplar, and true; or of the computed one, which is kept.
+async fn kept_or_computed<T: Send + 'static>(
     worker: &Worker<'_>,
     place: usize,
     row: ExemplarRow,
     options: &Arc<LandmarkOptions>,
-) -> Result<(DescribedExemplar, bool), Stop> {
+    then: Arc<impl Fn(DescribedExemplar) -> T + Send + Sync + 'static>,
+) -> Result<(T, bool), Stop> {
     let descriptions = &worker.databases.descriptions;
     let key = description_key(&row, options).map_err(DatabaseError::from)?;
     if let Some(bytes) = descriptions.get(key).await {
-        let row = row.clone();
-        if let Some(kept) = worker.run(0, move || decode(&bytes, &row)).await? {
-            return Ok((kept, true));
+        let (row, then) = (row.clone(), Arc::clone(&then));
+        if let Some(made) = worker.run(0, move || decode(&bytes, &row).map(|kept| then(kept))).await? {
+            return Ok((made, true));
         }
     }
     // Taken from its bytes, as the next training will: the same inputs give the same version.
-    let both = |row: &ExemplarRow, described| {
+    let both = move |row: &ExemplarRow, described| {
         let bytes = encode(&described);
-        decode(&bytes, row).map(|described| (bytes, described))
+        decode(&bytes, row).map(|described| (bytes, then(described)))
     };
     let both = computed(worker, place, &row, options, both).await?;
-    let (bytes, described) =
+    let (bytes, made) =
         both.ok_or_else(|| Stop::failed(Code::Internal, "a description doesn't come back from its bytes"))?;
     descriptions.keep(key, &bytes).await;
-    Ok((described, false))
+    Ok((made, false))
 }
 
 /// An exemplar described, and what `then` makes of it.

@@ -3,18 +3,20 @@
 
 use std::sync::Arc;
 
-use super::{SelfCheck, Trained, describing, rounds_of};
+use super::describing::described;
+use super::{SelfCheck, Trained, rounds_of};
 use crate::database::{
-    Counts, DescriptionsReport, ExemplarRow, LandmarkReport, LoadedVersion, Model, ReliabilityReport, Report,
-    TrainingTimings, VerdictReport,
+    Counts, DescriptionsReport, ExemplarRow, GrownReport, LandmarkReport, LoadedVersion, Model,
+    ReliabilityReport, Report, TrainingTimings, VerdictReport,
 };
 use crate::jobs::stop::Stop;
 use crate::jobs::worker::Worker;
 use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::landmarks::{
-    CalibrationPlan, CalibrationSample, ExemplarName, LandmarkOptions, Landmarks, LeftOut, Reliability,
-    Signature, TrainingError, calibration_samples, exemplars_to_leave_out, left_out, synthetic_views,
+    CalibrationPlan, CalibrationSample, Colour, DescribedExemplar, ExemplarName, LandmarkOptions, Landmarks,
+    LeftOut, Reliability, Signature, TrainingError, TrainingReport, WindowSample, WindowSpace,
+    calibration_samples, exemplars_to_leave_out, left_out, sample_plan, synthetic_views,
 };
 
 /// The warning of a version without confidence: its samples allow no calibration.
@@ -26,27 +28,20 @@ pub(super) async fn train(
     exemplars: Vec<ExemplarRow>,
     options: LandmarkOptions,
     calibration: SelfCheck,
+    grown: Option<(Fitted, GrownReport)>,
 ) -> Result<(Trained, TrainingTimings, DescriptionsReport), Stop> {
-    let options = Arc::new(options);
-    let (described, descriptions, describe_ms) =
-        describing::described(worker, exemplars.clone(), &options).await?;
-    let fit = move || {
-        Landmarks::train(described, &options).map_err(|error| {
-            let code = match error {
-                TrainingError::NoLabels => Code::NoExemplars,
-                TrainingError::NegativeExemplars => Code::InvalidField,
-                _ => Code::TooFewPoints,
-            };
-            Stop::failed(code, chain(&error))
-        })
+    let (grown, growth) = grown.unzip();
+    let (model, report, timings, descriptions) = match (grown, options.signature) {
+        (Some(grown), _) => grown,
+        (None, Signature::Intensity) => plain(worker, &exemplars, options).await?,
+        (None, Signature::Gradient) => taught(worker, &exemplars, options).await?,
     };
-    let ((model, report), eigenspace_ms) = worker.alone("eigenspace", fit).await?;
     let counts = Counts {
         exemplars: report.exemplars as u64,
         labels: report.labels as u64,
         interest_points: report.interest_points as u64,
     };
-    let mut report = LandmarkReport::from(&report);
+    let mut report = LandmarkReport { grown: growth.map(Some), ..LandmarkReport::from(&report) };
     let mut rehearsal = None;
     let model = match (calibration, model.options().signature) {
         (SelfCheck::None | SelfCheck::Background, _) => model,
@@ -70,10 +65,81 @@ pub(super) async fn train(
     if model.confidence().is_none() {
         report.warnings = Some(vec![NOT_CALIBRATED.into()]);
     }
-    let timings =
-        TrainingTimings { describe: describe_ms, eigenspace: eigenspace_ms, rehearsal: Some(rehearsal) };
+    let timings = TrainingTimings { rehearsal: Some(rehearsal), ..timings };
     let (model, report) = (Model::Landmarks(Box::new(model)), Report::Landmarks(Box::new(report)));
     Ok((Trained { model, report, counts }, timings, descriptions))
+}
+
+/// A model with its report, the times of the stages and where the descriptions came from.
+pub(super) type Fitted = (Landmarks, TrainingReport, TrainingTimings, DescriptionsReport);
+
+/// All exemplars described, then the eigenspace of all their signatures.
+async fn plain(
+    worker: &Worker<'_>,
+    exemplars: &[ExemplarRow],
+    options: LandmarkOptions,
+) -> Result<Fitted, Stop> {
+    let options = Arc::new(options);
+    let (described, descriptions, describe) =
+        described(worker, "describing", exemplars.to_vec(), &options, |described| described).await?;
+    let fit = move || Landmarks::train(described, &options).map_err(stop);
+    let ((model, report), eigenspace) = worker.alone("eigenspace", fit).await?;
+    Ok((model, report, TrainingTimings { describe, eigenspace, rehearsal: None }, descriptions))
+}
+
+/// The eigenspace of a sample of the exemplars, then of all of them one by one what is kept: what is held of a description is a
+/// tenth of it.
+async fn taught(
+    worker: &Worker<'_>,
+    exemplars: &[ExemplarRow],
+    options: LandmarkOptions,
+) -> Result<Fitted, Stop> {
+    let (mut fitted, options) = (options.clone(), Arc::new(options));
+    let mut exemplars = exemplars.to_vec();
+    exemplars.sort_by_cached_key(|row| (row.label.clone(), row.id.to_string()));
+    let (chosen, most) = sample_plan(exemplars.len());
+    let sampled: Vec<ExemplarRow> = chosen.into_iter().map(|index| exemplars[index].clone()).collect();
+    let mut timings = TrainingTimings { describe: 0.0, eigenspace: 0.0, rehearsal: None };
+    loop {
+        let sample = move |described: DescribedExemplar| WindowSample::of(&described, most);
+        let (samples, of_sample, sample_ms) =
+            described(worker, "sampling", sampled.clone(), &options, sample).await?;
+        let (count, with) = (exemplars.len(), fitted.clone());
+        let fit = move || WindowSpace::fit(&samples, count, &with).map(Arc::new).map_err(stop);
+        let (space, fit_ms) = worker.alone("eigenspace", fit).await?;
+        let with = Arc::clone(&space);
+        let encode = move |described| with.encode(described);
+        let (encoded, of_all, describe_ms) =
+            described(worker, "describing", exemplars.clone(), &options, encode).await?;
+        timings.describe += sample_ms + describe_ms;
+        timings.eigenspace += fit_ms;
+        let encoded = match encoded.into_iter().collect::<Result<Vec<_>, _>>() {
+            // one that was not sampled: luminance alone for all
+            Err(TrainingError::WithoutColour(_)) if fitted.colour == Colour::Auto => {
+                fitted.colour = Colour::Gray;
+                continue;
+            }
+            encoded => encoded.map_err(stop)?,
+        };
+        let space = Arc::into_inner(space).ok_or_else(|| {
+            Stop::failed(Code::Internal, "the eigenspace is still in use after its exemplars")
+        })?;
+        let teach = move || Landmarks::teach(space, encoded).map_err(stop);
+        let ((model, report), teach_ms) = worker.alone("eigenspace", teach).await?;
+        timings.eigenspace += teach_ms;
+        let computed = of_sample.computed + of_all.computed;
+        let descriptions = DescriptionsReport { computed, kept: count as u64 - computed.min(count as u64) };
+        return Ok((model, report, timings, descriptions));
+    }
+}
+
+pub(super) fn stop(error: TrainingError) -> Stop {
+    let code = match error {
+        TrainingError::NoLabels => Code::NoExemplars,
+        TrainingError::NegativeExemplars => Code::InvalidField,
+        _ => Code::TooFewPoints,
+    };
+    Stop::failed(code, chain(&error))
 }
 
 /// The model of a version, if it is one of landmarks.

@@ -7,6 +7,7 @@
 
 mod describing;
 mod gate;
+mod growing;
 mod landmarks;
 mod objects;
 
@@ -22,13 +23,16 @@ use super::stop::Stop;
 use super::worker::Worker;
 use crate::database::artifact::{self, Artifact};
 use crate::database::{
-    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, JobRow, Kind, LoadedVersion,
-    Model, Options, Report, TrainingTimings, VersionRow, inputs_digest,
+    ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, GrownReport, JobRow, Kind,
+    LoadedVersion, Model, Options, Report, TrainingTimings, VersionRow, inputs_digest,
 };
 use crate::problem::Code;
 use crate::store::{CatalogueError, NewVersion};
 use crate::telemetry::chain;
 pub use gate::VersionComparison;
+pub use growing::EigenspaceChoice;
+use growing::Growth;
+use landmarks::Fitted;
 pub use objects::UnfitExemplars;
 
 /// The word for this job in the catalogue.
@@ -74,6 +78,8 @@ pub struct TrainingParams {
     pub promote: Promote,
     /// Whether the version is asked about its own pictures first.
     pub calibration: SelfCheck,
+    /// Which eigenspace the exemplars are projected on.
+    pub eigenspace: EigenspaceChoice,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -82,13 +88,15 @@ struct ParamsDocument {
     promote: Promote,
     #[serde(default)]
     calibration: SelfCheck,
+    #[serde(default)]
+    eigenspace: EigenspaceChoice,
 }
 
 impl TrainingParams {
     pub(super) fn to_document(&self) -> String {
-        let Self { options, promote, calibration } = self;
-        let (promote, calibration) = (*promote, *calibration);
-        let document = ParamsDocument { options: options.to_document(), promote, calibration };
+        let Self { options, promote, calibration, eigenspace } = self;
+        let (promote, calibration, eigenspace) = (*promote, *calibration, *eigenspace);
+        let document = ParamsDocument { options: options.to_document(), promote, calibration, eigenspace };
         serde_json::to_string(&document).expect("text and words always serialise")
     }
 
@@ -98,7 +106,8 @@ impl TrainingParams {
             serde_json::from_str(text).map_err(|error| Stop::failed(Code::Internal, error.to_string()))?;
         let options = Options::from_document(kind, &document.options)
             .map_err(|error| Stop::failed(Code::Internal, chain(&error)))?;
-        Ok(Self { options, promote: document.promote, calibration: document.calibration })
+        let ParamsDocument { promote, calibration, eigenspace, .. } = document;
+        Ok(Self { options, promote, calibration, eigenspace })
     }
 }
 
@@ -145,7 +154,7 @@ impl Inputs {
 
 /// Trains, publishes, and ends the job with the version's number.
 pub(super) async fn run(worker: &Worker<'_>, job: &JobRow) -> Result<i64, Stop> {
-    let inputs = Inputs::read(job, worker.databases).await?;
+    let mut inputs = Inputs::read(job, worker.databases).await?;
     // published before its process died: where the alias is by now is none of this job's business
     if let Some(version) = job.version {
         return check_published(worker, &inputs, version).await;
@@ -153,13 +162,30 @@ pub(super) async fn run(worker: &Worker<'_>, job: &JobRow) -> Result<i64, Stop> 
     if let Some(version) = reuse(worker, &inputs).await? {
         return Ok(version);
     }
-    let (artifact, bytes) = train(worker, &inputs).await?;
+    let growth = match &inputs.params.options {
+        Options::Landmarks(options) if inputs.params.options.have_gradients() => {
+            growing::grown(worker, &inputs, options).await?
+        }
+        _ => Growth::None,
+    };
+    let grown = match growth {
+        Growth::None => None,
+        Growth::Same(version) => return end_with(worker, &inputs, version).await,
+        Growth::Grown(fitted, report, digest) => {
+            inputs.digest = digest;
+            if let Some(version) = reuse(worker, &inputs).await? {
+                return Ok(version);
+            }
+            Some((*fitted, report))
+        }
+    };
+    let (artifact, bytes) = train(worker, &inputs, grown).await?;
     publish(worker, &inputs, &artifact, bytes).await
 }
 
 /// Ends the job with the version that was trained from the same inputs, if there is one that loads.
 async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop> {
-    let Worker { lease, databases, .. } = worker;
+    let databases = worker.databases;
     let Inputs { database, digest, .. } = inputs;
     let Some(found) = databases.catalogue.version_by_digest(database, digest).await? else { return Ok(None) };
     let version = match databases.registry().load(database, found.version, digest, &found.blob).await {
@@ -171,24 +197,48 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
         }
         Err(error) => return Err(error.into()),
     };
+    end(worker, inputs, found, version).await.map(Some)
+}
+
+/// Ends the job with the version of a number, which has its exemplars and options.
+async fn end_with(worker: &Worker<'_>, inputs: &Inputs, version: i64) -> Result<i64, Stop> {
+    let (database, databases) = (&inputs.database, worker.databases);
+    let not_found = || CatalogueError::NotFound { what: format!("version {version} of {database}") };
+    let found = databases.catalogue.version(database, version).await?.ok_or_else(not_found)?;
+    let loaded = databases.registry().load(database, version, &found.digest, &found.blob).await?;
+    end(worker, inputs, found, loaded).await
+}
+
+/// Ends the job with a version that there is.
+async fn end(
+    worker: &Worker<'_>,
+    inputs: &Inputs,
+    found: VersionRow,
+    version: Arc<LoadedVersion>,
+) -> Result<i64, Stop> {
+    let Worker { lease, databases, .. } = worker;
     let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
     if inputs.wants_verdict() && !report_of(&found)?.has_verdict() {
-        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await.map(Some);
+        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await;
     }
     let _publishing = lease.publishing().await;
-    let (number, comparison) = (Some(found.version), comparison.as_deref());
-    databases.catalogue.succeed_job(lease.id, lease.token, number, alias, comparison).await?;
+    let (number, comparison) = (found.version, comparison.as_deref());
+    databases.catalogue.succeed_job(lease.id, lease.token, Some(number), alias, comparison).await?;
     serve_now(databases).await;
     Ok(number)
 }
 
 /// The artifact of the exemplars, with its file.
-async fn train(worker: &Worker<'_>, inputs: &Inputs) -> Result<(Artifact, Bytes), Stop> {
+async fn train(
+    worker: &Worker<'_>,
+    inputs: &Inputs,
+    grown: Option<(Fitted, GrownReport)>,
+) -> Result<(Artifact, Bytes), Stop> {
     let rows = inputs.exemplars.clone();
     let (trained, timings, descriptions) = match inputs.params.options.clone() {
         Options::Landmarks(options) => {
             let (trained, timings, descriptions) =
-                landmarks::train(worker, rows, options, inputs.params.calibration).await?;
+                landmarks::train(worker, rows, options, inputs.params.calibration, grown).await?;
             (trained, timings, Some(descriptions))
         }
         Options::Objects(options) => {

@@ -2,6 +2,7 @@
 //! eigenpoints (A§4.1, A§4.5, B(10)–(16)). Vectors are rows of row-major `f32` matrices; training is done in `f64`.
 
 pub mod eigenspace;
+pub mod hermitian;
 pub mod inverted_index;
 pub mod mahalanobis;
 pub mod neighbours;
@@ -10,7 +11,7 @@ pub mod symmetric;
 mod tree;
 
 pub use eigenspace::{EigenError, Eigenspace};
-pub use inverted_index::InvertedIndex;
+pub use inverted_index::{Codebook, Codes, InvertedIndex, Segment, SegmentColumns, lists_for};
 pub use mahalanobis::ClassCovariance;
 pub use neighbours::{EigenpointIndex, Neighbour};
 pub use radius_index::{RadiusIndex, Search};

@@ -29,7 +29,7 @@ const ROWS: usize = RINGS * ROWS_PER_RING;
 /// Samples along θ.
 pub const SECTORS: usize = 32;
 /// Channels that are transformed along θ.
-const CHANNELS: usize = RINGS * DIRECTIONS;
+pub const CHANNELS: usize = RINGS * DIRECTIONS;
 /// Numbers of a spectrum of one channel.
 const CHANNEL: usize = 2 * FREQUENCIES;
 /// Components of a signature.
@@ -42,11 +42,6 @@ const LANES: usize = 8;
 type Lanes = [f32; LANES];
 /// Below this Euclidean length of all amplitudes there is nothing to see.
 const LEAST_LENGTH: f32 = 1e-3;
-/// Turns at which the circular correlation is evaluated, and half of them.
-const TURNS: usize = 64;
-const HALF: usize = TURNS / 2;
-/// Frequencies that tell a turn: 0 does not.
-const WAVES: usize = FREQUENCIES - 1;
 
 /// All that is computed once for sub-windows of one radius.
 #[derive(Clone, Debug)]
@@ -60,9 +55,6 @@ pub struct GradientSignature {
     sin: [f32; SECTORS],
     /// Weight of each frequency.
     soft: [f32; FREQUENCIES],
-    /// Cosine and sine of each frequency from 1 on at the turns of half a circle.
-    turn_cos: [[f32; HALF]; WAVES],
-    turn_sin: [[f32; HALF]; WAVES],
 }
 
 /// The signature of the same sub-window in a picture that is flipped from left to right: gradients at the angle φ from the
@@ -136,9 +128,6 @@ impl GradientSignature {
             };
             Tap { column: x as usize, row: y as usize, upper: weights(1.0 - below), lower: weights(below) }
         };
-        let turns = |wave: usize, f: fn(f64) -> f64| -> [f32; HALF] {
-            from_fn(|j| f(TAU * ((wave + 1) * j % TURNS) as f64 / TURNS as f64) as f32)
-        };
         GradientSignature {
             reach_px,
             taps: (0..ROWS * SECTORS).map(tap).collect(),
@@ -146,8 +135,6 @@ impl GradientSignature {
             sin: from_fn(|s| angle(s).sin() as f32),
             // sectors overlap: high frequencies count less
             soft: from_fn(|k| (-0.5 * (k as f64 / (0.6 * FREQUENCIES as f64)).powi(2)).exp() as f32),
-            turn_cos: from_fn(|wave| turns(wave, f64::cos)),
-            turn_sin: from_fn(|wave| turns(wave, f64::sin)),
         }
     }
 
@@ -199,19 +186,6 @@ impl GradientSignature {
             }
         }
         batch
-    }
-
-    /// By how much the sub-window of `query` is turned against `trained`, radians, from x towards y, in (−π, π].
-    pub fn relative_turn(&self, query: &[f32], trained: &[i8]) -> f32 {
-        let correlation = Arch::new().dispatch(Correlate { plan: self, query, trained });
-        let highest = correlation.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let top = correlation.iter().position(|&value| value == highest).unwrap_or(0);
-        let (a, b, d) =
-            (correlation[(top + TURNS - 1) % TURNS], correlation[top], correlation[(top + 1) % TURNS]);
-        let curvature = a - 2.0 * b + d;
-        let between = if curvature < 0.0 { 0.5 * (a - d) / curvature } else { 0.0 };
-        let turn = (top as f32 + between) * std::f32::consts::TAU / TURNS as f32;
-        if turn > std::f32::consts::PI { turn - std::f32::consts::TAU } else { turn }
     }
 }
 
@@ -486,46 +460,6 @@ fn transform<S: Simd>(
     }
 }
 
-/// The circular correlation of two spectra at each turn, less what frequency 0 adds to all of them.
-struct Correlate<'a> {
-    plan: &'a GradientSignature,
-    query: &'a [f32],
-    trained: &'a [i8],
-}
-
-impl WithSimd for Correlate<'_> {
-    type Output = [f32; TURNS];
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> [f32; TURNS] {
-        let (mut re, mut im) = ([0.0_f32; WAVES], [0.0_f32; WAVES]);
-        let (query, trained) = (self.query.as_chunks::<CHANNEL>().0, self.trained.as_chunks::<CHANNEL>().0);
-        for (q, t) in query.iter().zip(trained) {
-            for wave in 0..WAVES {
-                let (a, b) = (q[1 + wave], q[FREQUENCIES + 1 + wave]);
-                let (c, d) = (f32::from(t[1 + wave]), f32::from(t[FREQUENCIES + 1 + wave]));
-                re[wave] += a * c + b * d;
-                im[wave] += b * c - a * d;
-            }
-        }
-        // half a turn on, odd frequencies change their sign: k = wave + 1
-        let mut parts = [[0.0_f32; HALF]; 2];
-        for wave in 0..WAVES {
-            let (cos, sin, part) =
-                (&self.plan.turn_cos[wave], &self.plan.turn_sin[wave], &mut parts[wave % 2]);
-            for j in 0..HALF {
-                part[j] += re[wave] * cos[j] - im[wave] * sin[j];
-            }
-        }
-        let [odd, even] = &parts;
-        let mut out = [0.0_f32; TURNS];
-        for j in 0..HALF {
-            (out[j], out[j + HALF]) = (even[j] + odd[j], even[j] - odd[j]);
-        }
-        out
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::gradient::gradient;
@@ -621,10 +555,16 @@ mod tests {
             .map(|image| plan.describe(&PaddedGradient::new(image, plan.reach_px()), &[[30, 30]]));
         let change = a.signatures.iter().zip(&b.signatures).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(change < 2e-3, "{change}");
-        let mut kept = Vec::new();
-        super::super::kept_spectrum(&a.spectra, &mut kept);
-        let turn = plan.relative_turn(&b.spectra, &kept);
-        assert!((turn - std::f32::consts::FRAC_PI_2).abs() < 0.01, "{turn}");
+        // a quarter turn multiplies frequency k by iᵏ
+        let channels = a.spectra.chunks_exact(CHANNEL).zip(b.spectra.chunks_exact(CHANNEL));
+        for (at, (a, b)) in channels.enumerate() {
+            for k in 0..FREQUENCIES {
+                let (re, im) = (a[k], a[FREQUENCIES + k]);
+                let expected = [[re, im], [im, -re], [-re, -im], [-im, re]][k % 4];
+                let off = (b[k] - expected[0]).hypot(b[FREQUENCIES + k] - expected[1]);
+                assert!(off < 2e-3, "channel {at}, frequency {k}: {off}");
+            }
+        }
     }
 
     #[test]

@@ -1,15 +1,18 @@
 //! Each picture of a database asked with itself left out: how well the others of its label know it, and which labels look
 //! alike. With gradient signatures.
 
-use super::model::{Exemplar, Landmarks};
+use super::model::{Exemplar, Landmarks, Windows};
 use super::multiscale;
+use super::recognition::PointVote;
 use crate::imaging::Frame;
+use crate::statistics::median;
 
 /// Exemplars that are asked at most, evenly chosen from all.
 const MOST_ASKED: usize = 100;
-/// Two pictures with so much agreement of all that was matched, at least, are the same.
-const SAME: f64 = 0.5;
-/// And with so many windows that agree.
+/// Two pictures are the same if half of the windows that agree are so near to each other: of different photographs of the same
+/// place most are 0.25 apart and more.
+const SAME: f64 = 0.15;
+/// And if so many agree.
 const LEAST_SAME: usize = 100;
 
 /// What a database without one of its exemplars says of that exemplar's picture.
@@ -38,25 +41,26 @@ pub fn exemplars_to_leave_out(model: &Landmarks) -> Vec<usize> {
 /// Asks for the picture of the exemplar of this id with that exemplar left out; `None` if there is no such exemplar, or
 /// its database has other signatures.
 pub fn left_out(model: &Landmarks, id: &str, frame: &Frame) -> Option<LeftOut> {
-    let describer = model.scale_space.as_ref()?;
+    let Windows::Taught(taught) = &model.windows else { return None };
     let exemplar = model.exemplars.iter().position(|exemplar| exemplar.id == id)?;
     let label = model.exemplars[exemplar].label.clone();
-    let recognition = multiscale::recognise(model, describer, Some(exemplar), frame, |_| ());
+    let recognition = multiscale::recognise(model, taught, Some(exemplar), frame, |_| ());
     let decided = recognition.decision.iter().map(|decision| &decision.label);
     let labels: Vec<&String> = decided.chain(recognition.also.iter().map(|also| &also.label)).collect();
     let other = |e: &Exemplar| e.label == label && e.id != id;
     let best = recognition.votes.first().filter(|vote| vote.label != label);
-    let same = best.filter(|vote| {
-        vote.a_contrario.is_some_and(|evidence| {
-            evidence.agreeing >= LEAST_SAME && evidence.agreeing as f64 > SAME * evidence.asked as f64
-        })
+    let placed = best.and_then(|vote| vote.placement.as_ref());
+    let same = placed.filter(|placed| {
+        let agrees = |point: &&PointVote| point.exemplar == placed.exemplar && point.weight > 0.0;
+        let mut distances: Vec<f64> =
+            recognition.points.iter().filter(agrees).map(|point| point.distance).collect();
+        distances.len() >= LEAST_SAME && median(&mut distances, f64::total_cmp).is_some_and(|d| d < SAME)
     });
-    let placed = same.and_then(|vote| vote.placement.as_ref());
     Some(LeftOut {
         has_others: model.exemplars.iter().any(other),
         named: labels.contains(&&label),
         alike: labels.into_iter().filter(|other| **other != label).cloned().collect(),
-        same_picture: placed.map(|placed| model.exemplars[placed.exemplar].id.clone()),
+        same_picture: same.map(|same| model.exemplars[same.exemplar].id.clone()),
         label,
     })
 }

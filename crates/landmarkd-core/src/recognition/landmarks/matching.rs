@@ -1,7 +1,7 @@
 //! Matches: windows of a frame and trained windows that resemble them. Each predicts where the exemplar lies.
 
 use super::description::{Window, WindowBatch};
-use super::model::{Exemplar, Landmarks, TrainedWindow};
+use super::model::{Exemplar, Landmarks, TrainedWindow, Windows};
 use super::placement::Placement;
 use crate::eigen::Neighbour;
 use crate::vision::{KeptSpectrum, RelativeTurn, spectrum_length};
@@ -36,7 +36,9 @@ pub(super) fn matches(
     first: usize,
     neighbours: &[Neighbour],
 ) -> Vec<Match> {
-    let Some(plan) = model.describer.phase_plan() else { return Vec::new() };
+    let (Some(plan), Windows::Plain(plain)) = (model.describer.phase_plan(), &model.windows) else {
+        return Vec::new();
+    };
     let per_window = neighbours.len().checked_div(batch.windows.len()).unwrap_or(0).max(1);
     let described = batch.windows.iter().zip(batch.spectra.chunks_exact(plan.length()));
     let mut matches = Vec::new();
@@ -45,14 +47,22 @@ pub(super) fn matches(
         let length = spectrum_length(spectrum);
         for neighbour in near {
             let kept = KeptSpectrum {
-                numbers: &model.spectra[neighbour.index * plan.length()..][..plan.length()],
-                length: model.spectrum_lengths[neighbour.index],
+                numbers: &plain.spectra[neighbour.index * plan.length()..][..plan.length()],
+                length: plain.spectrum_lengths[neighbour.index],
             };
             let turn = plan.relative_turn(spectrum, length, kept);
             if turn.correlation <= LEAST_CORRELATION {
                 continue;
             }
-            matches.push(Match::new(model, (first + query) as u32, window, neighbour, &turn));
+            let trained = &plain.windows[neighbour.index];
+            matches.push(Match::new(
+                model,
+                (first + query) as u32,
+                window,
+                trained,
+                neighbour.distance,
+                &turn,
+            ));
         }
     }
     matches
@@ -63,10 +73,10 @@ impl Match {
         model: &Landmarks,
         query: u32,
         window: &Window,
-        neighbour: &Neighbour,
+        &TrainedWindow { window: trained, exemplar }: &TrainedWindow,
+        distance: f32,
         turn: &RelativeTurn,
     ) -> Match {
-        let TrainedWindow { window: trained, exemplar } = model.windows[neighbour.index];
         let radii_px = &model.options.subwindow_radii_px;
         let scale = (radii_px[window.radius as usize] / radii_px[trained.radius as usize]) as f32;
         let Exemplar { width_px, height_px, .. } = model.exemplars[exemplar as usize];
@@ -79,7 +89,7 @@ impl Match {
         let [x_px, y_px] = about_origin.apply(from);
         Match {
             query,
-            distance: neighbour.distance,
+            distance,
             exemplar,
             placement: Placement { x_px: to[0] - x_px, y_px: to[1] - y_px, ..about_origin },
             from,

@@ -4,16 +4,15 @@ use super::confidence::{CalibrationSample, Confidence, Reliability};
 use super::description::{Describer, ExemplarName, Window};
 use super::edge_template::EdgePoint;
 use super::held_out::CalibrationPlan;
-use super::multiscale::description::ScaleSpaceDescriber;
+use super::multiscale::taught::TaughtWindows;
 use super::options::LandmarkOptions;
 use super::recognise::recognise;
 use super::recognition::{Recognition, Stage};
-use super::search::WindowIndex;
-use crate::eigen::Eigenspace;
+use crate::eigen::{EigenpointIndex, Eigenspace};
 use crate::imaging::Frame;
 
 /// One training image.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exemplar {
     /// Its own name, unique in the database.
     pub id: String,
@@ -40,6 +39,12 @@ impl Exemplar {
         self.label.is_empty()
     }
 
+    /// Width and height of its picture at the working size.
+    pub(super) fn working_size_px(&self, options: &LandmarkOptions) -> [f32; 2] {
+        let reduction = options.reduction_of(self.width_px, self.height_px);
+        [self.width_px, self.height_px].map(|side| (side as f32 / reduction).round())
+    }
+
     /// Id and label.
     pub fn name(&self) -> ExemplarName {
         ExemplarName { id: self.id.clone(), label: self.label.clone() }
@@ -54,28 +59,86 @@ pub(super) struct TrainedWindow {
     pub exemplar: u32,
 }
 
+/// The windows of all exemplars, by the kind of their signatures.
+pub(super) enum Windows {
+    /// With signatures of intensities.
+    Plain(PlainWindows),
+    /// With signatures of gradients.
+    Taught(TaughtWindows),
+}
+
+/// Windows with all that was computed of them.
+pub(super) struct PlainWindows {
+    pub index: EigenpointIndex,
+    /// In the order of the eigenpoints; exemplars ascend.
+    pub windows: Vec<TrainedWindow>,
+    /// A row an eigenpoint if the method verifies placements, else empty.
+    pub spectra: Vec<i8>,
+    /// Norm of each row of `spectra`.
+    pub spectrum_lengths: Vec<f32>,
+}
+
+impl PlainWindows {
+    fn bytes(&self) -> usize {
+        self.index.bytes()
+            + size_of_val(&self.windows[..])
+            + size_of_val(&self.spectra[..])
+            + size_of_val(&self.spectrum_lengths[..])
+    }
+}
+
+impl Windows {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        match self {
+            Windows::Plain(plain) => plain.windows.len(),
+            Windows::Taught(taught) => taught.index().count(),
+        }
+    }
+
+    /// The index of a window's exemplar.
+    pub fn exemplar(&self, window: usize) -> usize {
+        match self {
+            Windows::Plain(plain) => plain.windows[window].exemplar as usize,
+            Windows::Taught(taught) => taught.exemplar(window),
+        }
+    }
+
+    /// Memory that they take, in bytes.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Windows::Plain(plain) => plain.bytes(),
+            Windows::Taught(taught) => taught.bytes(),
+        }
+    }
+}
+
 /// A trained landmark database.
 pub struct Landmarks {
     /// The colour is resolved, never `Auto`.
     pub(super) options: LandmarkOptions,
     pub(super) describer: Describer,
-    /// With gradient signatures.
-    pub(super) scale_space: Option<ScaleSpaceDescriber>,
     /// Sorted by label, then id.
     pub(super) exemplars: Vec<Exemplar>,
     pub(super) eigenspace: Eigenspace,
-    pub(super) index: WindowIndex,
-    /// In the order of the eigenpoints; exemplars ascend.
-    pub(super) windows: Vec<TrainedWindow>,
-    /// A row an eigenpoint if the method verifies placements, else empty.
-    pub(super) spectra: Vec<i8>,
-    /// Norm of each row of `spectra`.
-    pub(super) spectrum_lengths: Vec<f32>,
+    pub(super) windows: Windows,
     /// `None` before calibration.
     pub(super) confidence: Option<Confidence>,
 }
 
 impl Landmarks {
+    /// The database of parts that are sound.
+    pub(super) fn assemble(
+        options: LandmarkOptions,
+        exemplars: Vec<Exemplar>,
+        eigenspace: Eigenspace,
+        windows: Windows,
+        confidence: Option<Confidence>,
+    ) -> Landmarks {
+        let describer = Describer::new(&options);
+        Landmarks { options, describer, exemplars, eigenspace, windows, confidence }
+    }
+
     /// The training images, sorted by label, then id.
     pub fn exemplars(&self) -> &[Exemplar] {
         &self.exemplars
@@ -116,9 +179,7 @@ impl Landmarks {
 
     /// Width and height of an exemplar's picture at the working size.
     pub(super) fn working_size_px(&self, exemplar: usize) -> [f32; 2] {
-        let Exemplar { width_px, height_px, .. } = self.exemplars[exemplar];
-        let reduction = self.options.reduction_of(width_px, height_px);
-        [width_px, height_px].map(|side| (side as f32 / reduction).round())
+        self.exemplars[exemplar].working_size_px(&self.options)
     }
 
     /// Recognises a frame. Calls `finished` after each stage, some of them several times: the caller holds the clock.
@@ -138,7 +199,7 @@ impl Landmarks {
         Some(reliability)
     }
 
-    /// Memory held, without the allocator's overhead.
+    /// Memory that it takes, without the allocator's overhead.
     pub fn bytes(&self) -> usize {
         let exemplar =
             |e: &Exemplar| size_of::<Exemplar>() + e.id.len() + e.label.len() + size_of_val(&e.edges[..]);
@@ -147,9 +208,6 @@ impl Landmarks {
             + size_of_val(&self.eigenspace.mean[..])
             + size_of_val(&self.eigenspace.basis[..])
             + size_of_val(&self.eigenspace.eigenvalues[..])
-            + self.index.bytes()
-            + size_of_val(&self.windows[..])
-            + size_of_val(&self.spectra[..])
-            + size_of_val(&self.spectrum_lengths[..])
+            + self.windows.bytes()
     }
 }

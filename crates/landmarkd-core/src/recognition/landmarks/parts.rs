@@ -2,19 +2,24 @@
 //!
 //! The vectors may come from anywhere: every length, index, order and number is checked.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::confidence::Confidence;
 use super::description::{Describer, Window};
 use super::edge_template::EdgePoint;
-use super::model::{Exemplar, Landmarks, TrainedWindow};
+use super::model::{Exemplar, Landmarks, PlainWindows, TrainedWindow, Windows};
 use super::multiscale::description::{MOST_LEVELS, ScaleSpaceDescriber};
+use super::multiscale::phase_space::{BASIS_LENGTH, PhaseSpace};
+use super::multiscale::taught::{SegmentParts, TaughtWindows};
+use super::multiscale::window_space::{MOST_FITTED, unit_px};
 use super::options::{Colour, LandmarkOptions, Signature};
 use super::position_prior::{row_length, with_positions, without_positions};
-use super::search::WindowIndex;
-use crate::eigen::{EigenError, Eigenspace};
+use crate::eigen::{Codebook, Codes, EigenError, EigenpointIndex, Eigenspace, Segment, lists_for};
 use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
+use crate::vision::gradient_signature::SPECTRUM_LENGTH;
 
 /// Bound of every number of a trained database: signatures have lengths about 1, and pictures fewer pixels a side.
 /// Squares and sums of such numbers stay finite.
@@ -22,7 +27,7 @@ const LARGEST: f32 = 1e6;
 /// Edge points of an exemplar at most.
 const MOST_EDGES: usize = 4096;
 
-/// A trained landmark database as plain vectors. n is the number of eigenpoints.
+/// A trained landmark database as plain vectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkParts {
     /// The colour is resolved, never `Auto`.
@@ -37,6 +42,24 @@ pub struct LandmarkParts {
     pub eigenvalues: Vec<f64>,
     /// Variance in all directions.
     pub total_variance: f64,
+    /// `None` before calibration.
+    pub confidence: Option<Confidence>,
+    /// The windows of all exemplars.
+    pub windows: WindowParts,
+}
+
+/// The windows of a database.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WindowParts {
+    /// With all that was computed of each: signatures of intensities, and gradients as releases before 0.2 kept them.
+    Plain(PlainParts),
+    /// Signatures of gradients.
+    Taught(TaughtParts),
+}
+
+/// Windows with all that was computed of them. n is their number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlainParts {
     /// n × dimension, row-major, exemplar by exemplar.
     pub eigenpoints: Vec<f32>,
     /// n × 3: x, y, salience of the interest point of each eigenpoint.
@@ -45,10 +68,21 @@ pub struct LandmarkParts {
     pub radius: Vec<u8>,
     /// n × rings × 24, with gradient signatures n × rings × 108, if the options ask for spectra, else empty.
     pub spectra: Vec<i8>,
-    /// `None` before calibration.
-    pub confidence: Option<Confidence>,
     /// n: index of the exemplar of each eigenpoint, ascending.
     pub owner: Vec<u32>,
+}
+
+/// Windows in lists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaughtParts {
+    /// Lists × dimension, row-major.
+    pub centroids: Vec<f32>,
+    /// What a code of 1 is worth in each coordinate.
+    pub steps: Vec<f32>,
+    /// 56 directions × 2 × 36: real and imaginary parts of the channels, frequency by frequency.
+    pub phase_basis: Vec<f32>,
+    /// Exemplars that were taught together, with their windows.
+    pub segments: Vec<SegmentParts>,
 }
 
 /// What is wrong with the parts of a landmark database.
@@ -88,12 +122,17 @@ pub enum PartsError {
     /// The exemplar of this index has another number of eigenpoints than it says.
     #[error("the interest points of exemplar {0} are not as many as it says")]
     Count(usize),
+    /// The lists are not those of the exemplars' windows, each once.
+    #[error("the windows in lists are not those of the exemplars")]
+    Lists,
+    /// Signatures of intensities in lists.
+    #[error("signatures of intensities are not kept in lists")]
+    Signature,
 }
 
 impl From<&Landmarks> for LandmarkParts {
     fn from(model: &Landmarks) -> LandmarkParts {
         let eigenspace = model.eigenspace.clone();
-        let prior = model.options.position_prior_px;
         LandmarkParts {
             options: model.options.clone(),
             exemplars: model.exemplars.clone(),
@@ -101,13 +140,28 @@ impl From<&Landmarks> for LandmarkParts {
             basis: eigenspace.basis,
             eigenvalues: eigenspace.eigenvalues,
             total_variance: eigenspace.total_variance,
-            eigenpoints: without_positions(model.index.points(), model.dimension(), prior),
-            points: model.windows.iter().flat_map(|trained| coordinates(&trained.window.point)).collect(),
-            radius: model.windows.iter().map(|trained| trained.window.radius).collect(),
-            spectra: model.spectra.clone(),
             confidence: model.confidence,
-            owner: model.windows.iter().map(|trained| trained.exemplar).collect(),
+            windows: match &model.windows {
+                Windows::Plain(plain) => WindowParts::Plain(plain_parts(model, plain)),
+                Windows::Taught(taught) => WindowParts::Taught(TaughtParts {
+                    centroids: taught.index().codebook().centroids().to_vec(),
+                    steps: taught.index().codebook().steps().to_vec(),
+                    phase_basis: taught.phases.basis().to_vec(),
+                    segments: taught.parts(),
+                }),
+            },
         }
+    }
+}
+
+fn plain_parts(model: &Landmarks, plain: &PlainWindows) -> PlainParts {
+    let (points, prior) = (plain.index.points(), model.options.position_prior_px);
+    PlainParts {
+        eigenpoints: without_positions(points, model.dimension(), prior),
+        points: plain.windows.iter().flat_map(|trained| coordinates(&trained.window.point)).collect(),
+        radius: plain.windows.iter().map(|trained| trained.window.radius).collect(),
+        spectra: plain.spectra.clone(),
+        owner: plain.windows.iter().map(|trained| trained.exemplar).collect(),
     }
 }
 
@@ -117,13 +171,29 @@ impl TryFrom<LandmarkParts> for Landmarks {
     /// Rebuilds a database from plain vectors that may hold anything.
     fn try_from(parts: LandmarkParts) -> Result<Landmarks, PartsError> {
         parts.check_options()?;
-        parts.check_lengths()?;
-        parts.check_numbers()?;
+        parts.check_eigenspace()?;
         parts.check_exemplars()?;
-        parts.check_owners()?;
-        let model = parts.assemble();
-        model.eigenspace.check_basis().map_err(PartsError::Eigenspace)?;
-        Ok(model)
+        let LandmarkParts { options, exemplars, mean, basis, eigenvalues, total_variance, .. } = parts;
+        let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
+        eigenspace.check_basis().map_err(PartsError::Eigenspace)?;
+        let dimension = eigenspace.dimension();
+        let windows = match (parts.windows, options.signature) {
+            (WindowParts::Plain(plain), signature) => {
+                plain.check(&options, &exemplars, dimension)?;
+                match signature {
+                    Signature::Intensity => Windows::Plain(plain.assemble(&options, dimension)),
+                    Signature::Gradient => {
+                        let taught = plain.taught(&options, &exemplars, dimension);
+                        Windows::Taught(taught.assemble(&options, &exemplars, dimension)?)
+                    }
+                }
+            }
+            (WindowParts::Taught(taught), Signature::Gradient) => {
+                Windows::Taught(taught.assemble(&options, &exemplars, dimension)?)
+            }
+            (WindowParts::Taught(_), Signature::Intensity) => return Err(PartsError::Signature),
+        };
+        Ok(Landmarks::assemble(options, exemplars, eigenspace, windows, parts.confidence))
     }
 }
 
@@ -133,37 +203,6 @@ pub(super) fn coordinates(point: &InterestPoint) -> [f32; 3] {
 }
 
 impl LandmarkParts {
-    /// The database of parts that are sound.
-    pub(super) fn assemble(self) -> Landmarks {
-        let LandmarkParts { options, exemplars, mean, basis, eigenvalues, total_variance, .. } = self;
-        let eigenspace = Eigenspace { mean, basis, eigenvalues, total_variance };
-        let rows = self.points.as_chunks().0.iter().zip(self.radius).zip(self.owner);
-        let windows = rows.map(|((&[x_px, y_px, salience], radius), exemplar)| TrainedWindow {
-            window: Window { point: InterestPoint { x_px, y_px, salience }, radius },
-            exemplar,
-        });
-        let windows: Vec<TrainedWindow> = windows.collect();
-        let (dimension, prior) = (eigenspace.dimension(), options.position_prior_px);
-        let positions = windows.iter().map(|trained| trained.window);
-        let eigenpoints = with_positions(self.eigenpoints, dimension, positions, prior);
-        let describer = Describer::new(&options);
-        let signature = options.signature;
-        let scale_space =
-            (options.signature == Signature::Gradient).then(|| ScaleSpaceDescriber::new(&options));
-        Landmarks {
-            spectrum_lengths: spectrum_lengths(&self.spectra, &describer),
-            describer,
-            scale_space,
-            options,
-            exemplars,
-            eigenspace,
-            index: WindowIndex::new(eigenpoints, row_length(dimension, prior), signature),
-            windows,
-            spectra: self.spectra,
-            confidence: self.confidence,
-        }
-    }
-
     fn check_options(&self) -> Result<(), PartsError> {
         let faults = self.options.faults();
         if !faults.is_empty() {
@@ -175,58 +214,38 @@ impl LandmarkParts {
         Ok(())
     }
 
-    fn check_lengths(&self) -> Result<(), PartsError> {
-        let (exemplars, dimension, points) = (self.exemplars.len(), self.eigenvalues.len(), self.owner.len());
-        for (part, found) in [("exemplars", exemplars), ("eigenvalues", dimension), ("owner", points)] {
-            if found == 0 {
-                return Err(PartsError::Empty(part));
-            }
+    fn check_eigenspace(&self) -> Result<(), PartsError> {
+        let dimension = self.eigenvalues.len();
+        if dimension == 0 {
+            return Err(PartsError::Empty("eigenvalues"));
         }
         let signature = self.options.signature_length();
-        let spectrum = self.options.spectrum_length();
-        let lengths = [
+        check_lengths([
             ("eigenvalues", dimension.min(self.options.dimension), dimension),
             ("mean", signature, self.mean.len()),
             ("basis", dimension * signature, self.basis.len()),
-            ("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len()),
-            ("points", points.saturating_mul(3), self.points.len()),
-            ("radius", points, self.radius.len()),
-            ("spectra", points.saturating_mul(spectrum), self.spectra.len()),
-        ];
-        match lengths.into_iter().find(|(_, expected, found)| expected != found) {
-            Some((part, expected, found)) => Err(PartsError::Length { part, expected, found }),
-            None => Ok(()),
-        }
-    }
-
-    fn check_numbers(&self) -> Result<(), PartsError> {
-        let radii = match self.options.signature {
-            Signature::Gradient => MOST_LEVELS,
-            Signature::Intensity => self.options.subwindow_radii_px.len(),
-        };
-        let small = |values: &[f32]| values.iter().all(|v| v.abs() <= LARGEST);
+        ])?;
         let variance = |v: &f64| (0.0..=f64::from(LARGEST)).contains(v);
-        let edge = |p: &EdgePoint| small(&[p.x_px, p.y_px, p.gradient_x, p.gradient_y]);
         let confidence = |c: &Confidence| {
             c.weights.iter().all(variance)
                 && c.bias.abs() <= f64::from(LARGEST)
                 && (0.0..=1.0).contains(&c.threshold)
         };
-        let sound = [
-            ("radius", self.radius.iter().all(|&radius| usize::from(radius) < radii)),
-            ("contours", self.exemplars.iter().flat_map(|e| &e.edges).all(edge)),
+        check_numbers([
             ("confidence", self.confidence.iter().all(confidence)),
             ("mean", small(&self.mean)),
             ("basis", small(&self.basis)),
-            ("eigenpoints", small(&self.eigenpoints)),
-            ("points", small(&self.points)),
             ("eigenvalues", self.eigenvalues.iter().all(variance)),
             ("total_variance", variance(&self.total_variance)),
-        ];
-        first_false(&sound).map_or(Ok(()), |part| Err(PartsError::Number(part)))
+        ])
     }
 
     fn check_exemplars(&self) -> Result<(), PartsError> {
+        if self.exemplars.is_empty() {
+            return Err(PartsError::Empty("exemplars"));
+        }
+        let edge = |p: &EdgePoint| small(&[p.x_px, p.y_px, p.gradient_x, p.gradient_y]);
+        check_numbers([("contours", self.exemplars.iter().flat_map(|e| &e.edges).all(edge))])?;
         let mut ids: Vec<&str> = self.exemplars.iter().map(|e| e.id.as_str()).collect();
         ids.sort_unstable();
         let sorted = [
@@ -237,9 +256,9 @@ impl LandmarkParts {
         if let Some(part) = first_false(&sorted) {
             return Err(PartsError::Order(part));
         }
-        let small =
+        let fits =
             |e: &Exemplar| e.width_px.max(e.height_px) as f32 <= LARGEST && e.edges.len() <= MOST_EDGES;
-        if !self.exemplars.iter().all(small) {
+        if !self.exemplars.iter().all(fits) {
             return Err(PartsError::Number("exemplars"));
         }
         let negatives = self.exemplars.iter().filter(|e| e.is_negative()).count();
@@ -249,22 +268,142 @@ impl LandmarkParts {
         }
         Ok(())
     }
+}
+
+impl PlainParts {
+    fn check(
+        &self,
+        options: &LandmarkOptions,
+        exemplars: &[Exemplar],
+        dimension: usize,
+    ) -> Result<(), PartsError> {
+        let points = self.owner.len();
+        if points == 0 {
+            return Err(PartsError::Empty("owner"));
+        }
+        check_lengths([
+            ("eigenpoints", points.saturating_mul(dimension), self.eigenpoints.len()),
+            ("points", points.saturating_mul(3), self.points.len()),
+            ("radius", points, self.radius.len()),
+            ("spectra", points.saturating_mul(options.spectrum_length()), self.spectra.len()),
+        ])?;
+        let radii = match options.signature {
+            Signature::Gradient => MOST_LEVELS,
+            Signature::Intensity => options.subwindow_radii_px.len(),
+        };
+        check_numbers([
+            ("radius", self.radius.iter().all(|&radius| usize::from(radius) < radii)),
+            ("eigenpoints", small(&self.eigenpoints)),
+            ("points", small(&self.points)),
+        ])?;
+        self.check_owners(exemplars)
+    }
 
     /// Checks that owners ascend, and are of each exemplar as many as it has windows.
-    fn check_owners(&self) -> Result<(), PartsError> {
+    fn check_owners(&self, exemplars: &[Exemplar]) -> Result<(), PartsError> {
         if !self.owner.is_sorted() {
             return Err(PartsError::Order("owner"));
         }
         let mut rest = &self.owner[..];
-        for (exemplar, e) in self.exemplars.iter().enumerate() {
+        for (exemplar, e) in exemplars.iter().enumerate() {
             let own = rest.partition_point(|&owner| owner as usize <= exemplar);
             if own != e.windows {
                 return Err(PartsError::Count(exemplar));
             }
             rest = &rest[own..];
         }
-        if rest.is_empty() { Ok(()) } else { Err(PartsError::Count(self.exemplars.len())) }
+        if rest.is_empty() { Ok(()) } else { Err(PartsError::Count(exemplars.len())) }
     }
+
+    /// The windows of parts that are sound.
+    pub(super) fn assemble(self, options: &LandmarkOptions, dimension: usize) -> PlainWindows {
+        let rows = self.points.as_chunks().0.iter().zip(self.radius).zip(self.owner);
+        let windows = rows.map(|((&[x_px, y_px, salience], radius), exemplar)| TrainedWindow {
+            window: Window { point: InterestPoint { x_px, y_px, salience }, radius },
+            exemplar,
+        });
+        let windows: Vec<TrainedWindow> = windows.collect();
+        let prior = options.position_prior_px;
+        let positions = windows.iter().map(|trained| trained.window);
+        let eigenpoints = with_positions(self.eigenpoints, dimension, positions, prior);
+        PlainWindows {
+            index: EigenpointIndex::new(eigenpoints, row_length(dimension, prior)),
+            windows,
+            spectrum_lengths: spectrum_lengths(&self.spectra, options),
+            spectra: self.spectra,
+        }
+    }
+
+    /// The windows of parts that are sound and have gradients, in lists.
+    fn taught(&self, options: &LandmarkOptions, exemplars: &[Exemplar], dimension: usize) -> TaughtParts {
+        let codebook = Codebook::fit(&self.eigenpoints, dimension, lists_for(self.owner.len()));
+        let stride = self.owner.len().div_ceil(MOST_FITTED);
+        let spectra = self.spectra.chunks_exact(SPECTRUM_LENGTH).step_by(stride).flatten();
+        let phases = PhaseSpace::fit(&spectra.copied().collect::<Vec<i8>>());
+        let mut codes = Codes::default();
+        codebook.encode(&self.eigenpoints, &mut codes);
+        let place = |(&[x_px, y_px, _], &owner): (&[f32; 3], &u32)| {
+            let unit_px = unit_px(exemplars[owner as usize].working_size_px(options));
+            [x_px, y_px].map(|at| (at / unit_px).round() as u16)
+        };
+        let places: Vec<u16> = self.points.as_chunks().0.iter().zip(&self.owner).flat_map(place).collect();
+        let starts: Vec<u32> = (0..=exemplars.len() as u32)
+            .map(|exemplar| self.owner.partition_point(|&owner| owner < exemplar) as u32)
+            .collect();
+        let kept = phases.as_ref().map_or_else(Vec::new, |phases| phases.kept(&self.spectra));
+        TaughtParts {
+            centroids: codebook.centroids().to_vec(),
+            steps: codebook.steps().to_vec(),
+            phase_basis: phases.map_or_else(Vec::new, |phases| phases.basis().to_vec()),
+            segments: vec![SegmentParts {
+                lists: Segment::new(&codebook, &codes).columns(),
+                places: places.into(),
+                levels: self.radius.clone().into(),
+                phases: kept.into(),
+                starts: starts.into(),
+                exemplars: (0..exemplars.len() as u32).collect(),
+            }],
+        }
+    }
+}
+
+impl TaughtParts {
+    fn assemble(
+        self,
+        options: &LandmarkOptions,
+        exemplars: &[Exemplar],
+        dimension: usize,
+    ) -> Result<TaughtWindows, PartsError> {
+        check_lengths([
+            ("steps", dimension, self.steps.len()),
+            ("phase_basis", BASIS_LENGTH, self.phase_basis.len()),
+        ])?;
+        check_numbers([
+            ("steps", small(&self.steps) && self.steps.iter().all(|step| *step > 0.0)),
+            ("phase_basis", small(&self.phase_basis)),
+            ("centroids", small(&self.centroids)),
+        ])?;
+        let codebook = Codebook::of_parts(self.centroids, self.steps).ok_or(PartsError::Lists)?;
+        let phases = PhaseSpace::of_basis(self.phase_basis).ok_or(PartsError::Lists)?;
+        let describer = ScaleSpaceDescriber::new(options);
+        TaughtWindows::of_parts(describer, Arc::new(phases), Arc::new(codebook), self.segments, exemplars)
+            .ok_or(PartsError::Lists)
+    }
+}
+
+fn check_lengths<const N: usize>(lengths: [(&'static str, usize, usize); N]) -> Result<(), PartsError> {
+    match lengths.into_iter().find(|(_, expected, found)| expected != found) {
+        Some((part, expected, found)) => Err(PartsError::Length { part, expected, found }),
+        None => Ok(()),
+    }
+}
+
+fn check_numbers<const N: usize>(sound: [(&'static str, bool); N]) -> Result<(), PartsError> {
+    first_false(&sound).map_or(Ok(()), |part| Err(PartsError::Number(part)))
+}
+
+fn small(values: &[f32]) -> bool {
+    values.iter().all(|v| v.abs() <= LARGEST)
 }
 
 fn first_false(checks: &[(&'static str, bool)]) -> Option<&'static str> {
@@ -272,7 +411,8 @@ fn first_false(checks: &[(&'static str, bool)]) -> Option<&'static str> {
 }
 
 /// The norm of every kept spectrum.
-fn spectrum_lengths(spectra: &[i8], describer: &Describer) -> Vec<f32> {
+fn spectrum_lengths(spectra: &[i8], options: &LandmarkOptions) -> Vec<f32> {
+    let describer = Describer::new(options);
     let Some(plan) = describer.phase_plan() else { return Vec::new() };
     let length = |row: &[i8]| row.iter().map(|&v| f32::from(v).powi(2)).sum::<f32>().sqrt();
     spectra.chunks_exact(plan.length()).map(length).collect()
@@ -288,6 +428,17 @@ mod tests {
     fn parts() -> LandmarkParts {
         let options = LandmarkOptions { dimension: 8, ..paper() };
         LandmarkParts::from(&Landmarks::train(described(0..4, &options), &options).unwrap().0)
+    }
+
+    fn cut<T>(values: &mut Vec<T>) {
+        values.truncate(values.len() - 1);
+    }
+
+    fn plain(parts: &mut LandmarkParts) -> &mut PlainParts {
+        match &mut parts.windows {
+            WindowParts::Plain(plain) => plain,
+            WindowParts::Taught(_) => panic!("signatures of intensities"),
+        }
     }
 
     #[test]
@@ -313,10 +464,10 @@ mod tests {
         let frame = Frame::gray(toy(2, 96)).turned(70.0);
         assert_eq!(rebuilt.recognise(&frame, |_| ()), trained.recognise(&frame, |_| ()));
         let damages: [fn(&mut LandmarkParts); 8] = [
-            |p| p.spectra.truncate(p.spectra.len() - 1),
-            |p| p.spectra.clear(),
-            |p| p.radius[0] = 2,
-            |p| p.radius.truncate(p.radius.len() - 1),
+            |p| cut(&mut plain(p).spectra),
+            |p| plain(p).spectra.clear(),
+            |p| plain(p).radius[0] = 2,
+            |p| cut(&mut plain(p).radius),
             |p| p.exemplars[1].edges[0].x_px = f32::NAN,
             |p| p.confidence.as_mut().unwrap().weights[1] = -1.0,
             |p| p.confidence.as_mut().unwrap().bias = f64::NAN,
@@ -344,21 +495,21 @@ mod tests {
             ("exemplar twice", |p| p.exemplars[1] = p.exemplars[0].clone()),
             ("count", |p| p.exemplars[2].windows += 1),
             ("count beyond all", |p| p.exemplars[3].windows = usize::MAX),
-            ("mean cut", |p| p.mean.truncate(p.mean.len() - 1)),
+            ("mean cut", |p| cut(&mut p.mean)),
             ("mean NaN", |p| p.mean[0] = f32::NAN),
-            ("basis cut", |p| p.basis.truncate(p.basis.len() - 1)),
+            ("basis cut", |p| cut(&mut p.basis)),
             ("basis scaled", |p| p.basis.iter_mut().for_each(|v| *v *= 1.01)),
             ("basis infinite", |p| p.basis[5] = f32::INFINITY),
             ("no eigenvalues", |p| p.eigenvalues.clear()),
             ("eigenvalues swapped", |p| p.eigenvalues.swap(0, 1)),
             ("eigenvalue negative", |p| p.eigenvalues[7] = -1.0),
             ("variance NaN", |p| p.total_variance = f64::NAN),
-            ("eigenpoints cut", |p| p.eigenpoints.truncate(p.eigenpoints.len() - 1)),
-            ("eigenpoint huge", |p| p.eigenpoints[0] = 3e38),
-            ("points cut", |p| p.points.truncate(p.points.len() - 1)),
-            ("owner out of range", |p| *p.owner.last_mut().unwrap() = 4),
-            ("owners swapped", |p| p.owner.reverse()),
-            ("no owners", |p| p.owner.clear()),
+            ("eigenpoints cut", |p| cut(&mut plain(p).eigenpoints)),
+            ("eigenpoint huge", |p| plain(p).eigenpoints[0] = 3e38),
+            ("points cut", |p| cut(&mut plain(p).points)),
+            ("owner out of range", |p| *plain(p).owner.last_mut().unwrap() = 4),
+            ("owners swapped", |p| plain(p).owner.reverse()),
+            ("no owners", |p| plain(p).owner.clear()),
         ];
         for (what, damage) in damages {
             let mut parts = parts();

@@ -2,7 +2,7 @@
 
 use super::consensus::hypotheses;
 use super::edge_template::GradientDirections;
-use super::model::Landmarks;
+use super::model::{Landmarks, Windows};
 use super::multiscale;
 use super::options::Colour;
 use super::query::{Query, StoppingState};
@@ -23,8 +23,8 @@ pub(super) fn recognise(
     frame: &Frame,
     mut finished: impl FnMut(Stage),
 ) -> Recognition {
-    if let Some(describer) = &model.scale_space {
-        return multiscale::recognise(model, describer, None, frame, finished);
+    if let Windows::Taught(taught) = &model.windows {
+        return multiscale::recognise(model, taught, None, frame, finished);
     }
     let attention = model.describer.attend(frame); // A§4.2
     let mut query = Query::new(model, subset, frame, &attention);

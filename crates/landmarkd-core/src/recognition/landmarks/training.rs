@@ -1,19 +1,17 @@
 //! Training (A§4.1): the signatures of all exemplars, their eigenspace, and the eigenpoints in it.
 
-use std::borrow::Cow;
-
 use thiserror::Error;
 
 use super::confidence::Confidence;
 use super::description::DescribedExemplar;
-use super::model::Landmarks;
+use super::model::{Exemplar, Landmarks, Windows};
+use super::multiscale::description::ScaleSpaceDescriber;
+use super::multiscale::taught::{SegmentParts, TaughtWindows};
+use super::multiscale::window_space::{EncodedExemplar, WindowSample, WindowSpace, sample_plan};
 use super::options::{Colour, LandmarkOptions, Signature};
-use super::parts::{LandmarkParts, coordinates};
+use super::parts::{PlainParts, coordinates};
 use crate::eigen::{EigenError, Eigenspace};
 use crate::recognition::OptionFault;
-
-/// Signatures that an eigenspace of gradients is fitted to at most.
-const MOST_FITTED: usize = 30_000;
 
 /// Figures of a training.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +60,9 @@ pub enum TrainingError {
     /// The options are out of range or contradict each other: all that is wrong with them.
     #[error("the options can't be used")]
     Options(Vec<OptionFault>),
+    /// The exemplar with this id has no colour, and the signatures of the others' sample have.
+    #[error("the exemplar {0:?} has no colour: train with signatures of luminance alone")]
+    WithoutColour(String),
     /// The signatures don't vary.
     #[error("no eigenspace can be fitted to the signatures")]
     Eigenspace(#[source] EigenError),
@@ -80,29 +81,133 @@ impl Landmarks {
         exemplars.sort_by(|a, b| a.exemplar.sort_key().cmp(&b.exemplar.sort_key()));
         check(&exemplars, options)?;
         let resolved = options.with_colour(exemplars.iter().all(|e| e.colour));
-        let signature_length = resolved.signature_length();
-        let signatures = signatures(&exemplars, options, signature_length);
-        if signatures.is_empty() {
-            return Err(TrainingError::NoInterestPoints);
+        match resolved.signature {
+            Signature::Intensity => train_plain(exemplars, resolved),
+            Signature::Gradient => {
+                let (chosen, most) = sample_plan(exemplars.len());
+                let samples: Vec<WindowSample> =
+                    chosen.iter().map(|&index| WindowSample::of(&exemplars[index], most)).collect();
+                let space = WindowSpace::fit(&samples, exemplars.len(), &resolved)?;
+                let encoded = exemplars.into_iter().map(|e| space.encode(e)).collect::<Result<_, _>>()?;
+                Landmarks::teach(space, encoded)
+            }
         }
-        let sample = sample(&signatures, signature_length, resolved.signature);
-        let (eigenspace, spectrum) = Eigenspace::fit(&sample, signature_length, options.dimension) // A§4.1
-            .map_err(TrainingError::Eigenspace)?;
-        let exemplars_without_points =
-            exemplars.iter().filter(|e| e.windows.is_empty()).map(|e| e.exemplar.id.clone()).collect();
-        let model = parts(exemplars, resolved, eigenspace, &signatures).assemble();
-        let report = TrainingReport {
-            energy_kept: model.eigenspace.eigenvalues.iter().sum::<f64>() / model.eigenspace.total_variance,
-            spectrum,
-            dimension: model.dimension(),
-            signature_length,
-            colour: model.options.colour,
-            exemplars: model.exemplars.len(),
-            labels: model.labels().len(),
-            interest_points: model.windows.len() / model.options.subwindow_radii_px.len(),
-            exemplars_without_points,
+    }
+
+    /// The database of exemplars that were encoded in a space, in any order.
+    ///
+    /// # Errors
+    /// As [`Landmarks::train`].
+    pub fn teach(
+        space: WindowSpace,
+        mut encoded: Vec<EncodedExemplar>,
+    ) -> Result<(Landmarks, TrainingReport), TrainingError> {
+        encoded.sort_by(|a, b| a.exemplar.sort_key().cmp(&b.exemplar.sort_key()));
+        let exemplars: Vec<Exemplar> = encoded.iter_mut().map(|e| std::mem::take(&mut e.exemplar)).collect();
+        let segment = SegmentParts::of(&space.codebook, encoded);
+        teach_segments(space, exemplars, vec![segment])
+    }
+}
+
+impl Landmarks {
+    /// This database with other exemplars beside those it keeps, in the same eigenspace: `added` were encoded in its
+    /// [`WindowSpace::of`].
+    ///
+    /// # Errors
+    /// As [`Landmarks::train`]; [`TrainingError::OtherOptions`] if this database has signatures of intensities.
+    pub fn grown(
+        &self,
+        added: Vec<EncodedExemplar>,
+        keeps: impl Fn(&Exemplar) -> bool,
+    ) -> Result<(Landmarks, TrainingReport), TrainingError> {
+        let (Windows::Taught(taught), Some(space)) = (&self.windows, WindowSpace::of(self)) else {
+            return Err(TrainingError::OtherOptions(self.exemplars[0].id.clone()));
         };
-        Ok((model, report))
+        let groups = taught.regrouped(&self.exemplars, keeps, added);
+        let mut exemplars: Vec<Exemplar> = groups.iter().flat_map(|(_, own)| own).cloned().collect();
+        exemplars.sort_by(|a, b| a.sort_key().cmp(&b.sort_key()));
+        let of_group = |(part, own): (SegmentParts, Vec<Exemplar>)| {
+            let number = |exemplar: &Exemplar| {
+                exemplars.binary_search_by(|other| other.sort_key().cmp(&exemplar.sort_key()))
+            };
+            SegmentParts {
+                exemplars: own.iter().flat_map(number).map(|index| index as u32).collect(),
+                ..part
+            }
+        };
+        let segments = groups.into_iter().map(of_group).collect();
+        teach_segments(space, exemplars, segments)
+    }
+
+    /// Exemplars that were taught together, each with those that were added later.
+    pub fn segments(&self) -> usize {
+        match &self.windows {
+            Windows::Plain(_) => 1,
+            Windows::Taught(taught) => taught.index().segments().len(),
+        }
+    }
+}
+
+/// The database of sorted exemplars whose windows are in segments.
+fn teach_segments(
+    space: WindowSpace,
+    exemplars: Vec<Exemplar>,
+    segments: Vec<SegmentParts>,
+) -> Result<(Landmarks, TrainingReport), TrainingError> {
+    let WindowSpace { options, eigenspace, spectrum, codebook, phases } = space;
+    check_exemplars(exemplars.iter(), options.signature)?;
+    let describer = ScaleSpaceDescriber::new(&options);
+    let taught = TaughtWindows::of_parts(describer, phases, codebook, segments, &exemplars)
+        .ok_or(TrainingError::NoInterestPoints)?;
+    let (windows, confidence) = (Windows::Taught(taught), Some(Confidence::A_CONTRARIO));
+    let model = Landmarks::assemble(options, exemplars, eigenspace, windows, confidence);
+    let report = report(&model, spectrum);
+    Ok((model, report))
+}
+
+/// The database of exemplars with signatures of intensities, sorted.
+fn train_plain(
+    exemplars: Vec<DescribedExemplar>,
+    options: LandmarkOptions,
+) -> Result<(Landmarks, TrainingReport), TrainingError> {
+    let length = options.signature_length();
+    let row = |e: &DescribedExemplar| e.signatures.len().checked_div(e.windows.len()).unwrap_or(1).max(1);
+    let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(row(e)));
+    // the luminance part comes first: a shorter length leaves the colour part out
+    let signatures: Vec<f32> = rows.flat_map(|row| &row[..length]).copied().collect();
+    if signatures.is_empty() {
+        return Err(TrainingError::NoInterestPoints);
+    }
+    let (eigenspace, spectrum) = Eigenspace::fit(&signatures, length, options.dimension) // A§4.1
+        .map_err(TrainingError::Eigenspace)?;
+    let windows = || exemplars.iter().flat_map(|e| &e.windows);
+    let owner = |(owner, e): (usize, &DescribedExemplar)| std::iter::repeat_n(owner as u32, e.windows.len());
+    let plain = PlainParts {
+        eigenpoints: eigenspace.project(&signatures),
+        points: windows().flat_map(|window| coordinates(&window.point)).collect(),
+        radius: windows().map(|window| window.radius).collect(),
+        spectra: exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect(),
+        owner: exemplars.iter().enumerate().flat_map(owner).collect(),
+    };
+    let windows = Windows::Plain(plain.assemble(&options, eigenspace.dimension()));
+    let exemplars = exemplars.into_iter().map(|e| e.exemplar).collect();
+    let model = Landmarks::assemble(options, exemplars, eigenspace, windows, None);
+    let report = report(&model, spectrum);
+    Ok((model, report))
+}
+
+fn report(model: &Landmarks, spectrum: Vec<f64>) -> TrainingReport {
+    let without = model.exemplars.iter().filter(|e| e.windows == 0);
+    TrainingReport {
+        energy_kept: model.eigenspace.eigenvalues.iter().sum::<f64>() / model.eigenspace.total_variance,
+        spectrum,
+        dimension: model.dimension(),
+        signature_length: model.eigenspace.length(),
+        colour: model.options.colour,
+        exemplars: model.exemplars.len(),
+        labels: model.labels().len(),
+        interest_points: model.windows.count() / model.options.subwindow_radii_px.len(),
+        exemplars_without_points: without.map(|e| e.id.clone()).collect(),
     }
 }
 
@@ -112,20 +217,7 @@ fn check(exemplars: &[DescribedExemplar], options: &LandmarkOptions) -> Result<(
     if !faults.is_empty() {
         return Err(TrainingError::Options(faults));
     }
-    if exemplars.is_empty() {
-        return Err(TrainingError::NoExemplars);
-    }
-    if exemplars.iter().all(|e| e.exemplar.is_negative()) {
-        return Err(TrainingError::NoLabels);
-    }
-    if options.signature != Signature::Gradient && exemplars.iter().any(|e| e.exemplar.is_negative()) {
-        return Err(TrainingError::NegativeExemplars);
-    }
-    let mut ids: Vec<&str> = exemplars.iter().map(|e| e.exemplar.id.as_str()).collect();
-    ids.sort_unstable();
-    if let Some(pair) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(TrainingError::DuplicateId(pair[0].to_owned()));
-    }
+    check_exemplars(exemplars.iter().map(|e| &e.exemplar), options.signature)?;
     let fits = |e: &DescribedExemplar| {
         let colour = options.with_colour(e.colour).colour == Colour::Opponent;
         colour == e.colour && e.signatures.len() == e.windows.len() * described_length(e, options)
@@ -136,58 +228,36 @@ fn check(exemplars: &[DescribedExemplar], options: &LandmarkOptions) -> Result<(
     }
 }
 
+fn check_exemplars<'a>(
+    exemplars: impl Iterator<Item = &'a Exemplar> + Clone,
+    signature: Signature,
+) -> Result<(), TrainingError> {
+    if exemplars.clone().next().is_none() {
+        return Err(TrainingError::NoExemplars);
+    }
+    if exemplars.clone().all(Exemplar::is_negative) {
+        return Err(TrainingError::NoLabels);
+    }
+    if signature != Signature::Gradient && exemplars.clone().any(Exemplar::is_negative) {
+        return Err(TrainingError::NegativeExemplars);
+    }
+    let mut ids: Vec<&str> = exemplars.map(|e| e.id.as_str()).collect();
+    ids.sort_unstable();
+    match ids.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(TrainingError::DuplicateId(pair[0].to_owned())),
+        None => Ok(()),
+    }
+}
+
 /// Length of an exemplar's signatures.
 fn described_length(exemplar: &DescribedExemplar, options: &LandmarkOptions) -> usize {
     options.gray_length() + if exemplar.colour { options.colour_length() } else { 0 }
 }
 
-/// The first `length` components of all signatures, one row a window. The luminance part comes first: a shorter `length`
-/// leaves the colour part out.
-fn signatures(exemplars: &[DescribedExemplar], options: &LandmarkOptions, length: usize) -> Vec<f32> {
-    let rows = exemplars.iter().flat_map(|e| e.signatures.chunks_exact(described_length(e, options)));
-    rows.flat_map(|row| &row[..length]).copied().collect()
-}
-
-/// The signatures that the eigenspace is fitted to: of gradients, which are many, evenly chosen ones.
-fn sample(signatures: &[f32], length: usize, signature: Signature) -> Cow<'_, [f32]> {
-    let stride = (signatures.len() / length).div_ceil(MOST_FITTED);
-    match signature {
-        Signature::Gradient if stride > 1 => {
-            Cow::Owned(signatures.chunks_exact(length).step_by(stride).flatten().copied().collect())
-        }
-        Signature::Gradient | Signature::Intensity => Cow::Borrowed(signatures),
-    }
-}
-
-fn parts(
-    exemplars: Vec<DescribedExemplar>,
-    options: LandmarkOptions,
-    eigenspace: Eigenspace,
-    signatures: &[f32],
-) -> LandmarkParts {
-    let windows = || exemplars.iter().flat_map(|e| &e.windows);
-    let owner = |(owner, e): (usize, &DescribedExemplar)| std::iter::repeat_n(owner as u32, e.windows.len());
-    let signature = options.signature;
-    LandmarkParts {
-        options,
-        eigenpoints: eigenspace.project(signatures),
-        mean: eigenspace.mean,
-        basis: eigenspace.basis,
-        eigenvalues: eigenspace.eigenvalues,
-        total_variance: eigenspace.total_variance,
-        points: windows().flat_map(|window| coordinates(&window.point)).collect(),
-        radius: windows().map(|window| window.radius).collect(),
-        spectra: exemplars.iter().flat_map(|e| e.spectra.iter().copied()).collect(),
-        confidence: (signature == Signature::Gradient).then_some(Confidence::A_CONTRARIO),
-        owner: exemplars.iter().enumerate().flat_map(owner).collect(),
-        exemplars: exemplars.into_iter().map(|e| e.exemplar).collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::pictures::{described, name, paper, toy};
-    use super::super::{Exemplar, Window, describe};
+    use super::super::{Exemplar, LandmarkParts, Window, describe};
     use super::*;
     use crate::imaging::{Frame, Image};
     use crate::vision::InterestPoint;
@@ -279,7 +349,7 @@ mod tests {
         let (model, report) =
             Landmarks::train(vec![same.clone(), exemplar("other", window(1))], &options).unwrap();
         assert_eq!(report.dimension, 1);
-        assert_eq!(LandmarkParts::from(&model).owner.len(), 10_001);
+        assert_eq!(model.windows.count(), 10_001);
         let alone = Landmarks::train(vec![same], &options).err().unwrap();
         assert!(matches!(alone, TrainingError::Eigenspace(EigenError::NoVariance { .. })));
     }

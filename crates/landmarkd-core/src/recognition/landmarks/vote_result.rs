@@ -49,7 +49,7 @@ impl VoteResult {
     /// The votes of windows for the owners of their nearest eigenpoints.
     pub fn of_windows(query: &Query<'_>) -> VoteResult {
         let model = query.model;
-        let exemplar_of = |index: usize| model.windows[index].exemplar as usize;
+        let exemplar_of = |index: usize| model.windows.exemplar(index);
         let rows = query.rows().map(|(window, near)| (window.point, near));
         let mut tally = match model.options.viewpoint {
             Viewpoint::Free => {
@@ -102,7 +102,7 @@ fn inlier_votes(query: &Query<'_>, best_of_labels: &[&ScoredHypothesis]) -> Vec<
     }
     for (number, (window, near)) in query.rows().enumerate().filter(|(number, _)| !is_inlier[*number]) {
         let Neighbour { index, distance } = near[0];
-        let exemplar = query.model.windows[index].exemplar as usize;
+        let exemplar = query.model.windows.exemplar(index);
         votes.push((number as u32, PointVote::new(window.point, exemplar, distance, 0.0)));
     }
     // stable: a window's votes stay in the order of the labels

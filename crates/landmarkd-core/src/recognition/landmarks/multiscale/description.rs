@@ -77,11 +77,6 @@ impl ScaleSpaceDescriber {
         }
     }
 
-    /// What compares the phases of two windows.
-    pub fn signature(&self) -> &GradientSignature {
-        &self.signature
-    }
-
     /// Pixels of the picture for each pixel of a level.
     pub fn scale(&self, level: u8) -> f32 {
         (f32::from(level) / self.levels_per_octave as f32).exp2()

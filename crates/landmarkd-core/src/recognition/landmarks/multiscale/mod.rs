@@ -13,10 +13,13 @@ mod instance;
 mod matching;
 mod mirror;
 mod overlap;
+pub(super) mod phase_space;
 mod placed_template;
 #[cfg(test)]
 mod planted;
 mod ranking;
+pub(super) mod taught;
+pub(super) mod window_space;
 mod window_votes;
 
 use decision::{decided, likeliest_first};
@@ -25,6 +28,7 @@ use hypothesis::{Hypothesis, HypothesisOptions, hypotheses};
 use instance::instances;
 use mirror::{AT_A_LOOK, BEYOND_SYMMETRY, CLEARER, EVERY, WORTH_A_LOOK, mirrored};
 use ranking::{AskedWindows, Ranking};
+use taught::TaughtWindows;
 use window_votes::WindowVotes;
 
 use super::description::{DescribedExemplar, ExemplarName};
@@ -73,19 +77,20 @@ fn posted_side(side_px: usize, reduction: f32) -> u32 {
 /// Recognises a frame by all exemplars of a database, or without the one of an index. Calls `finished` after each stage.
 pub(super) fn recognise(
     model: &Landmarks,
-    describer: &ScaleSpaceDescriber,
+    taught: &TaughtWindows,
     held_out: Option<usize>,
     frame: &Frame,
     mut finished: impl FnMut(Stage),
 ) -> Recognition {
     let working = model.options.working_frame(frame);
+    let describer = &taught.describer;
     let attention = describer.attend(&working); // A§4.2
     finished(Stage::Attention);
     let batch = describer.describe(&working, &attention, model.options.query_points); // A§4.3, A§4.4
     finished(Stage::Signature);
     let neighbours = nearest_but(model, &batch, held_out); // A§4.1, A§4.5
     finished(Stage::Search);
-    let votes = WindowVotes::of(model, describer, &batch, &neighbours);
+    let votes = WindowVotes::of(model, taught, &batch, &neighbours);
     finished(Stage::Vote);
     let exemplars: Vec<hypothesis::Exemplar> =
         (0..model.exemplars.len()).map(|index| size(model, index)).collect();
@@ -104,7 +109,7 @@ pub(super) fn recognise(
     let flipped = |every| {
         let batch = mirrored(&batch, size_px[0], every);
         let neighbours = nearest_but(model, &batch, held_out);
-        let votes = WindowVotes::of(model, describer, &batch, &neighbours);
+        let votes = WindowVotes::of(model, taught, &batch, &neighbours);
         let seen = hypothesis::Frame { size_px, matches: &votes.matches };
         hypotheses(&exemplars, &seen, &votes.weights, &options).into_iter().next()
     };
@@ -177,8 +182,9 @@ mod tests {
     use super::super::homography::Homography;
     use super::super::pictures::{laid, name, wall};
     use super::super::{
-        CalibrationPlan, LandmarkOptions, LandmarkParts, Landmarks, Method, Placement, TrainingError,
-        Viewpoint, describe, exemplars_to_leave_out, left_out, names_rightly, synthetic_views,
+        CalibrationPlan, LandmarkOptions, LandmarkParts, Landmarks, Method, Placement, PlainParts,
+        TrainingError, Viewpoint, WindowParts, WindowSpace, describe, exemplars_to_leave_out, left_out,
+        names_rightly, residual_of, synthetic_views,
     };
     use super::*;
     use crate::imaging::Image;
@@ -477,6 +483,80 @@ mod tests {
         assert!(right(&twice) + 3 <= before, "{} and {before}", right(&twice));
         let grown = model_of(pictures().chain([("new".to_owned(), picture(9))]), &options);
         assert!(right(&grown) + 1 >= before, "{} and {before}", right(&grown));
+    }
+
+    #[test]
+    fn windows_as_an_earlier_release_kept_them_are_put_into_lists() {
+        let options = LandmarkOptions { colour: Colour::Gray, ..LandmarkOptions::default() };
+        let described: Vec<_> = (0..WALLS)
+            .map(|seed| {
+                describe(
+                    name(&format!("{seed}-{seed}"), &seed.to_string()),
+                    &Frame::gray(picture(seed)),
+                    &options,
+                )
+            })
+            .collect();
+        let parts = LandmarkParts::from(&Landmarks::train(described.clone(), &options).unwrap().0);
+        let LandmarkParts { mean, basis, eigenvalues, total_variance, .. } = parts.clone();
+        let eigenspace = crate::eigen::Eigenspace { mean, basis, eigenvalues, total_variance };
+        let windows = || described.iter().flat_map(|e| &e.windows);
+        let owners = described.iter().enumerate();
+        let plain = PlainParts {
+            eigenpoints: described.iter().flat_map(|e| eigenspace.project(&e.signatures)).collect(),
+            points: windows().flat_map(|w| [w.point.x_px, w.point.y_px, w.point.salience]).collect(),
+            radius: windows().map(|w| w.radius).collect(),
+            spectra: described.iter().flat_map(|e| e.spectra.iter().copied()).collect(),
+            owner: owners.flat_map(|(owner, e)| vec![owner as u32; e.windows.len()]).collect(),
+        };
+        let earlier = LandmarkParts { windows: WindowParts::Plain(plain), ..parts };
+        let model = Landmarks::try_from(earlier).unwrap();
+        for seed in 0..WALLS {
+            let frame = Frame::gray(shown(&picture(seed), at(200.0, 180.0, 0.4, 1.1)));
+            assert_eq!(decided(&model.recognise(&frame, |_| ())), Some(&seed.to_string()[..]));
+        }
+        assert!(model.bytes() < 200 * windows().count() + (1 << 18), "{} bytes", model.bytes());
+    }
+
+    #[test]
+    fn what_is_added_is_known_and_what_is_taken_out_is_gone() {
+        let options = LandmarkOptions { colour: Colour::Gray, ..LandmarkOptions::default() };
+        let mut model = trained();
+        let encoded = |model: &Landmarks, seed: u64| {
+            let frame = Frame::gray(picture(seed));
+            let space = WindowSpace::of(model).unwrap();
+            space.encode(describe(name(&format!("new-{seed}"), &seed.to_string()), &frame, &options)).unwrap()
+        };
+        for seed in 10..22 {
+            let added = vec![encoded(&model, seed)];
+            assert!(residual_of(&added) < 2.0 * WindowSpace::of(&model).unwrap().residual());
+            model = model.grown(added, |_| true).unwrap().0;
+        }
+        assert!((2..=8).contains(&model.segments()), "{}", model.segments());
+        assert_eq!(model.exemplars().len(), 18);
+        let asked = |model: &Landmarks, seed: u64| {
+            let frame = Frame::gray(shown(&picture(seed), at(200.0, 180.0, 0.4, 1.1)));
+            decided(&model.recognise(&frame, |_| ())).map(str::to_owned)
+        };
+        for seed in [0, 3, 10, 15, 21] {
+            assert_eq!(asked(&model, seed), Some(seed.to_string()));
+        }
+        let parts = LandmarkParts::from(&model);
+        assert_eq!(LandmarkParts::from(&Landmarks::try_from(parts.clone()).unwrap()), parts);
+        let gone = ["3", "15"];
+        let (less, report) = model.grown(vec![], |exemplar| !gone.contains(&&exemplar.label[..])).unwrap();
+        assert_eq!((report.exemplars, less.exemplars().len()), (16, 16));
+        for seed in [0, 10, 21] {
+            assert_eq!(asked(&less, seed), Some(seed.to_string()));
+        }
+        for seed in [3, 15] {
+            assert_eq!(asked(&less, seed), None);
+        }
+        // what was added and taken out at once left nothing behind
+        let (back, _) = less.grown(vec![encoded(&less, 30)], |_| true).unwrap();
+        let (back, _) = back.grown(vec![], |exemplar| exemplar.label != "30").unwrap();
+        assert_eq!(LandmarkParts::from(&back), LandmarkParts::from(&less));
+        assert!(matches!(back.grown(vec![], |_| false), Err(TrainingError::NoExemplars)));
     }
 
     #[test]

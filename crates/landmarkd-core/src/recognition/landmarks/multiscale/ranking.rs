@@ -165,7 +165,7 @@ impl Ranking<'_> {
         }
         for query in (0..batch.windows.len()).filter(|query| !witnesses.contains(query)) {
             let Neighbour { index, distance } = nearest(query);
-            let exemplar = self.model.windows[index].exemplar as usize;
+            let exemplar = self.model.windows.exemplar(index);
             votes.push((query, PointVote::new(posted(query), exemplar, distance, 0.0)));
         }
         // stable: a window's votes stay in the order of the labels

@@ -1,13 +1,14 @@
 //! What the windows of a frame say, each by itself: the votes of local naive Bayes (McCann and Lowe 2012), and matches.
 
-use super::description::ScaleSpaceDescriber;
 use super::matching::Match;
 use super::overlap::Overlap;
+use super::phase_space::PHASE_LENGTH;
+use super::taught::{TaughtWindow, TaughtWindows};
+use super::window_space::unit_px;
 use crate::eigen::Neighbour;
-use crate::recognition::landmarks::description::WindowBatch;
+use crate::recognition::landmarks::description::{Window, WindowBatch};
 use crate::recognition::landmarks::model::Landmarks;
 use crate::recognition::landmarks::options::Viewpoint;
-use crate::vision::gradient_signature::SPECTRUM_LENGTH;
 
 /// Of the neighbours of a window the nearest, that say where their exemplar lies.
 const MATCHED: usize = 10;
@@ -29,7 +30,7 @@ impl WindowVotes {
     /// each stands for the background.
     pub fn of(
         model: &Landmarks,
-        describer: &ScaleSpaceDescriber,
+        taught: &TaughtWindows,
         batch: &WindowBatch,
         neighbours: &[Neighbour],
     ) -> WindowVotes {
@@ -39,7 +40,7 @@ impl WindowVotes {
                 row.split_last().map(|(background, near)| (query, background.distance.powi(2), near))
             })
         };
-        let exemplar_of = |neighbour: &Neighbour| model.windows[neighbour.index].exemplar as usize;
+        let exemplar_of = |neighbour: &Neighbour| taught.exemplar(neighbour.index);
         let exemplars = model.exemplars.len();
         // (window, exemplar, vote), each window once an exemplar
         let mut votes: Vec<(usize, usize, f32)> = Vec::with_capacity(neighbours.len());
@@ -66,11 +67,15 @@ impl WindowVotes {
         };
         let most_rad = model.options.turn_prior_deg.map_or(f32::INFINITY, |deg| deg.to_radians() as f32);
         let mut matches = Vec::new();
+        let phases = taught.phases.project(&batch.spectra);
         for (query, beyond, near) in rows() {
             for (rank, neighbour) in near.iter().enumerate().take(MATCHED) {
                 let nearer = beyond - neighbour.distance.powi(2);
                 if nearer > 0.0 && promising[exemplar_of(neighbour)] {
-                    let found = matched(model, describer, batch, [query, rank], neighbour, [nearer, beyond]);
+                    let window = taught.window(neighbour.index);
+                    let phases = &phases[query * PHASE_LENGTH..][..PHASE_LENGTH];
+                    let asked = Asked { query, rank, window: &batch.windows[query], phases };
+                    let found = matched(model, taught, &asked, &window, [nearer, beyond]);
                     matches.extend(Some(found).filter(|found| found.turn_rad.abs() <= most_rad));
                 }
             }
@@ -89,29 +94,35 @@ fn promising(weights: &[f64]) -> Vec<bool> {
     promising
 }
 
-/// The match of a window with its neighbour of a rank, which is nearer than the background by so much of squared distance.
+/// A window of the frame with the rank of one of its neighbours.
+struct Asked<'a> {
+    query: usize,
+    rank: usize,
+    window: &'a Window,
+    phases: &'a [f32],
+}
+
+/// The match of a window with a neighbour, which is nearer than the background by so much of squared distance.
 fn matched(
     model: &Landmarks,
-    describer: &ScaleSpaceDescriber,
-    batch: &WindowBatch,
-    [query, rank]: [usize; 2],
-    neighbour: &Neighbour,
+    taught: &TaughtWindows,
+    asked: &Asked<'_>,
+    neighbour: &TaughtWindow<'_>,
     [nearer, beyond]: [f32; 2],
 ) -> Match {
-    let trained = &model.windows[neighbour.index];
-    let (window, taught) = (&batch.windows[query], &trained.window);
-    let asked = &batch.spectra[query * SPECTRUM_LENGTH..][..SPECTRUM_LENGTH];
-    let kept = &model.spectra[neighbour.index * SPECTRUM_LENGTH..][..SPECTRUM_LENGTH];
-    let [width_px, height_px] = model.working_size_px(trained.exemplar as usize);
+    let describer = &taught.describer;
+    let size_px = model.working_size_px(neighbour.exemplar as usize);
+    let unit_px = unit_px(size_px);
+    let from = |axis: usize| f32::from(neighbour.place[axis]) * unit_px - (size_px[axis] - 1.0) / 2.0;
     Match {
-        query: query as u32,
-        exemplar: trained.exemplar,
-        rank: rank as u32,
-        from: [taught.point.x_px - (width_px - 1.0) / 2.0, taught.point.y_px - (height_px - 1.0) / 2.0],
-        to: [window.point.x_px, window.point.y_px],
-        turn_rad: describer.signature().relative_turn(asked, kept),
-        scale: describer.scale(window.radius) / describer.scale(taught.radius),
-        radius_px: describer.radius_px(window.radius),
+        query: asked.query as u32,
+        exemplar: neighbour.exemplar,
+        rank: asked.rank as u32,
+        from: [from(0), from(1)],
+        to: [asked.window.point.x_px, asked.window.point.y_px],
+        turn_rad: taught.phases.relative_turn(asked.phases, neighbour.phases),
+        scale: describer.scale(asked.window.radius) / describer.scale(neighbour.level),
+        radius_px: describer.radius_px(asked.window.radius),
         weight: nearer / beyond,
         vote: nearer,
     }
