@@ -3,45 +3,19 @@
 //! machine needs for so many (the roofline; Williams, Waterman and Patterson 2009): products and sums in registers, and a
 //! copy of what no cache holds, both measured here. Printed before the timings, whose baseline is the copy.
 
+mod machine;
+
 use std::hint::black_box;
-use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd_core::imaging::Image;
 use landmarkd_core::vision::gradient_signature::{GradientSignature, SIGNATURE_LENGTH, SPECTRUM_LENGTH};
 use landmarkd_core::vision::scale_space::{Level, scale_space};
 use landmarkd_core::vision::{PaddedGradient, smoothed, symmetry_map};
-use pulp::{Arch, Simd, WithSimd};
+use machine::{Machine, least_seconds};
 
 const RADIUS_PX: usize = 6;
 const WINDOWS: usize = 1000;
-const ROUNDS: usize = 15;
-
-/// Products and sums that wait for no other and for no memory.
-struct Peak;
-
-impl Peak {
-    const STEPS: usize = 1 << 20;
-    const SUMS: usize = 12;
-}
-
-impl WithSimd for Peak {
-    /// Operations.
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let mut sums = [simd.splat_f32s(1.0); Peak::SUMS];
-        let (factor, more) = (simd.splat_f32s(black_box(0.999)), simd.splat_f32s(black_box(0.001)));
-        for _ in 0..Peak::STEPS {
-            for sum in &mut sums {
-                *sum = simd.add_f32s(simd.mul_f32s(*sum, factor), more);
-            }
-        }
-        black_box(sums);
-        (2 * Peak::STEPS * Peak::SUMS * S::F32_LANES) as f64
-    }
-}
 
 /// What a loop does, and in how many seconds.
 struct Work {
@@ -49,16 +23,6 @@ struct Work {
     operations: f64,
     bytes: f64,
     seconds: f64,
-}
-
-/// The least time of some rounds.
-fn least_seconds<T>(mut work: impl FnMut() -> T) -> f64 {
-    let timed = (0..ROUNDS).map(|_| {
-        let begun = Instant::now();
-        black_box(work());
-        begun.elapsed().as_secs_f64()
-    });
-    timed.fold(f64::INFINITY, f64::min)
 }
 
 fn picture() -> Image {
@@ -97,20 +61,9 @@ fn roofline(criterion: &mut Criterion) {
     let plan = GradientSignature::new(14.0);
     let gradient = PaddedGradient::new(&levels[0].image, plan.reach_px());
     let points: Vec<[usize; 2]> = (0..WINDOWS).map(|i| [5 + 15 * (i % 40), 4 + 19 * (i / 40)]).collect();
-    let far = vec![1.0_f32; 1 << 24];
-    let mut copy = far.clone();
-
-    let operations = Arch::new().dispatch(Peak);
-    let per_second = operations / least_seconds(|| Arch::new().dispatch(Peak));
-    let bytes_per_second = 2.0 * size_of_val(&far[..]) as f64
-        / least_seconds(|| black_box(&mut copy).copy_from_slice(black_box(&far)));
-    println!(
-        "this core: {:.1} GFLOP/s of products and sums, {:.1} GB/s",
-        per_second / 1e9,
-        bytes_per_second / 1e9
-    );
+    let machine = Machine::measured();
     for work in [symmetry_work(&levels), signature_work(&plan, &gradient, &points)] {
-        let floor = (work.operations / per_second).max(work.bytes / bytes_per_second);
+        let floor = machine.floor(work.operations, work.bytes);
         println!(
             "{}: {:.1} MFLOP, {:.1} MB, {:.2} ms: {:.0} % of the roofline",
             work.name,
