@@ -19,6 +19,7 @@ mod exemplars;
 mod freeform;
 mod gate;
 mod golden;
+mod growing;
 mod hostile;
 mod jobs;
 mod keys;

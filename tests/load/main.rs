@@ -1,4 +1,4 @@
-//! The real binary under load: too much of it, rude clients, days of work in minutes, a training beside recognition.
+//! The real binary under load: too much of it, rude clients, days of work in minutes, a training beside recognition, and in memory.
 //!
 //! Client and service share the machine, and time is what is measured, so every test is ignored unless asked for, one
 //! at a time and optimised: `cargo test --release --test load -- --ignored --nocapture --test-threads 1`. Each prints
@@ -9,6 +9,7 @@
 
 mod client;
 mod figures;
+mod memory;
 mod overload;
 #[path = "../api/pictures.rs"]
 #[expect(dead_code, reason = "shared with the tests of the API, which use all of it")]

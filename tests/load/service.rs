@@ -108,11 +108,20 @@ pub fn tiny_pictures(count: u64) -> Vec<Bytes> {
 
 /// A picture with more to it, 168 pixels a side: three by three scenes side by side.
 pub fn room(number: u64) -> Bytes {
-    const SCENES: usize = 3;
-    let scenes: Vec<Frame> = (0..SCENES * SCENES).map(|at| scene(number * 100 + at as u64)).collect();
-    let side = SCENES * SIDE_PX;
+    side_by_side(3, number * 100)
+}
+
+/// A picture with much to it, 448 pixels a side.
+pub fn hall(number: u64) -> Bytes {
+    side_by_side(8, number * 100)
+}
+
+/// So many times as many scenes, from a number on.
+fn side_by_side(scenes_a_side: usize, first: u64) -> Bytes {
+    let scenes: Vec<Frame> = (0..scenes_a_side * scenes_a_side).map(|at| scene(first + at as u64)).collect();
+    let side = scenes_a_side * SIDE_PX;
     let gray = Image::from_fn(side, side, |x, y| {
-        let scene = &scenes[y / SIDE_PX * SCENES + x / SIDE_PX];
+        let scene = &scenes[y / SIDE_PX * scenes_a_side + x / SIDE_PX];
         scene.luminance.pixels()[y % SIDE_PX * SIDE_PX + x % SIDE_PX]
     });
     jpeg(&Frame::gray(gray))

@@ -180,6 +180,7 @@ class Client:
         options: Mapping[str, Any] | None = None,
         promote: Literal["always", "if_not_worse", "never"] = "always",
         calibration: Literal["wait", "background", "none"] | None = None,
+        eigenspace: Literal["auto", "fit", "keep"] = "auto",
         wait: bool = True,
         on_progress: Callable[[Job], None] | None = None,
     ) -> Job:
@@ -191,6 +192,8 @@ class Client:
             promote: whether the alias `current` moves to the new version.
             calibration: of landmarks, whether the version is asked about its own pictures before it is published,
                 after, or not. With "background" the job fails if the check does, and has its `version` all the same.
+            eigenspace: of landmarks with gradient signatures, whether what is new is added to the version in use: "auto"
+                from 1000 exemplars on, "fit" never, "keep" always.
             wait: until the job has ended; otherwise follow it with `follow`.
             on_progress: called with the job as often as it changes.
 
@@ -198,7 +201,9 @@ class Client:
             JobFailed: it failed or was cancelled.
 
         """
-        body = NewTraining(options=Options.of(options), promote=promote, calibration=wanted(calibration))
+        body = NewTraining(
+            options=Options.of(options), promote=promote, calibration=wanted(calibration), eigenspace=eigenspace
+        )
         begun = self._typed(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
         return self.follow(str(begun.id), on_progress) if wait else Job.of(begun)
 

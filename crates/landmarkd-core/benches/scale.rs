@@ -41,10 +41,10 @@ const QUERIES: usize = 512;
 const COUNT: usize = 31;
 const SIZES: [usize; 3] = [10_000, 100_000, 1_000_000];
 const LARGE: usize = 10_000_000;
-/// Lists that a query probes, and bytes that are read of a window there, as the index has them: coordinates of 16 bits,
+/// Lists that a query probes, and bytes that are read of a window there, as the index has them: codes of 8 bits,
 /// a square and a number.
-const PROBES: f64 = 24.0;
-const WINDOW_BYTES: f64 = (2 * DIMENSION + 4 + 4) as f64;
+const PROBES: f64 = 64.0;
+const WINDOW_BYTES: f64 = (DIMENSION + 4 + 4) as f64;
 
 /// Standard deviations of the coordinates of real windows: the square roots of the eigenvalues.
 #[rustfmt::skip]
@@ -95,7 +95,7 @@ struct Measured(InvertedIndex);
 
 impl Measured {
     fn new(points: Vec<f32>) -> Measured {
-        Measured(InvertedIndex::new(points, DIMENSION))
+        Measured(InvertedIndex::new(&points, DIMENSION))
     }
 
     fn nearest(&self, queries: &[f32]) -> Vec<Neighbour> {

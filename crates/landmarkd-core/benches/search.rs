@@ -1,5 +1,5 @@
-//! The nearest of N eigenpoints of D coordinates for 64 queries: the tree beside looking at all; several nearest; and the
-//! inverted index beside the product with all.
+//! The nearest of N eigenpoints of D coordinates for 64 queries: the tree beside looking at all; and several nearest.
+//! The inverted index is in `scale.rs`.
 //!
 //! Coordinates spread as the eigenvalues of real signatures do, ever less: half the variance lies in the
 //! first few. Half of the queries are eigenpoints seen again with some noise (a hit), half are new (a
@@ -9,8 +9,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use landmarkd_core::eigen::{EigenpointIndex, InvertedIndex, RadiusIndex, Search};
-use landmarkd_core::imaging::Random;
+use landmarkd_core::eigen::{EigenpointIndex, RadiusIndex, Search};
 use landmarkd_core::statistics::median;
 
 const QUERIES: usize = 64;
@@ -73,48 +72,6 @@ fn several(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The 31 nearest for the 1000 queries of a frame: the inverted index beside the product with all eigenpoints.
-///
-/// Of 5, 20, 100 and 1000 exemplars of 600 windows each. With N eigenpoints in √N lists, a query is compared with √N
-/// centroids and, probing 24, some 25 √N vectors in all: of 48 coordinates, a product and a sum of whole numbers for each.
-/// 60 000 eigenpoints: 0.29 G products a frame, and 5.8 MB read once or twice; 600 000: 0.93 G and 58 MB. A core that adds up
-/// 32 products of 16 bits at 3 GHz has floors of 3 and 10 ms; memory of 20 GB/s has 0.3 and 3 ms. The product with all has
-/// 2.9 and 29 G of f32.
-fn inverted(criterion: &mut Criterion) {
-    const DIMENSION: usize = 48;
-    const QUERIES: usize = 1000;
-    const COUNT: usize = 31;
-    let mut group = criterion.benchmark_group("1000 queries of 48 coordinates, the 31 nearest");
-    group.sample_size(10).throughput(Throughput::Elements(QUERIES as u64));
-    for count in [3_000, 12_000, 60_000, 600_000] {
-        let points = clusters(count, DIMENSION, 1);
-        let queries = clusters(QUERIES, DIMENSION, 2);
-        let exact = EigenpointIndex::new(points.clone(), DIMENSION);
-        let index = InvertedIndex::new(points, DIMENSION);
-        group.bench_with_input(BenchmarkId::new("product with all", count), &queries, |b, queries| {
-            b.iter(|| black_box(exact.nearest_several(queries, COUNT)));
-        });
-        group.bench_with_input(BenchmarkId::new("inverted index", count), &queries, |b, queries| {
-            b.iter(|| black_box(index.nearest_several(queries, COUNT)));
-        });
-    }
-    group.finish();
-}
-
-/// Eigenpoints in 1000 clusters, as signatures of a scene's parts are.
-fn clusters(count: usize, dimension: usize, seed: u64) -> Vec<f32> {
-    let middles = cloud(1000, dimension, 7);
-    let around = cloud(count, dimension, seed);
-    let mut random = Random::new(seed, 5);
-    let mut points = around;
-    for point in points.chunks_exact_mut(dimension) {
-        let cluster = (random.uniform() * 1000.0) as usize;
-        let middle = &middles[cluster * dimension..][..dimension];
-        point.iter_mut().zip(middle).for_each(|(value, middle)| *value = 0.7 * *value + middle);
-    }
-    points
-}
-
 /// All eigenpoints within a radius that holds about five: the three ways of an object database. They must agree
 /// before they are timed.
 fn vicinity(criterion: &mut Criterion) {
@@ -158,5 +115,5 @@ fn usual_radius(points: &[f32], queries: &[f32], dimension: usize) -> f64 {
     median(&mut distances, f64::total_cmp).expect("there are queries")
 }
 
-criterion_group!(benches, search, several, inverted, vicinity);
+criterion_group!(benches, search, several, vicinity);
 criterion_main!(benches);

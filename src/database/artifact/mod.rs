@@ -29,8 +29,10 @@ use landmarkd_core::column::Column;
 use landmarkd_core::recognition::landmarks::LandmarkParts;
 use landmarkd_core::recognition::objects::ObjectParts;
 
-/// The format that is written; older ones are read for ever.
+/// The newest format; older ones are read for ever.
 const FORMAT: u32 = 2;
+/// The format of all but windows in lists: as earlier releases have it, so that they read it.
+const EARLIER_FORMAT: u32 = 1;
 const METADATA_KEY: &str = "landmarkd";
 
 /// A version as its file has it.
@@ -197,7 +199,7 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
 
 fn common_header(artifact: &Artifact) -> Header {
     Header {
-        format: FORMAT,
+        format: if artifact.model.options().have_gradients() { FORMAT } else { EARLIER_FORMAT },
         kind: artifact.kind().as_str().into(),
         algorithm_revision: artifact.algorithm_revision,
         digest: artifact.digest.clone(),
@@ -355,8 +357,8 @@ mod tests {
     use crate::database::LandmarkReport;
     use landmarkd_core::imaging::{Frame, Image};
     use landmarkd_core::recognition::landmarks::{
-        CalibrationSample, Evidence, ExemplarName, LandmarkOptions, LandmarkParts, Landmarks, Method,
-        Signature, Viewpoint, describe,
+        CalibrationSample, Evidence, ExemplarName, LandmarkOptions, Landmarks, Method, Signature, Viewpoint,
+        WindowParts, describe,
     };
     use proptest::prelude::*;
     use serde_json::{Value, json};
@@ -391,18 +393,48 @@ mod tests {
                     if (12..25).contains(&x) && (9..20).contains(&y) { 200.0 } else { 40.0 }
                 },
             );
-        let described = [("disc", disc), ("square", square)].map(|(label, image)| {
+        trained(&options, [("disc", disc), ("square", square)])
+    }
+
+    /// A picture with something to see everywhere.
+    fn tiles(seed: usize) -> Image {
+        Image::from_fn(72, 64, |x, y| ((x / 5 * 131 + y / 7 * (37 + seed)) * 2_654_435 % 251) as f32)
+    }
+
+    /// Two exemplars with signatures of gradients.
+    fn of_gradients() -> Artifact {
+        let options = LandmarkOptions { interest_points: 20, dimension: 3, ..LandmarkOptions::default() };
+        trained(&options, [("a", tiles(0)), ("bb", tiles(1))])
+    }
+
+    fn trained(options: &LandmarkOptions, pictures: [(&str, Image); 2]) -> Artifact {
+        let described = pictures.map(|(label, image)| {
             let id = Uuid::new_v8([label.len() as u8; 16]).to_string();
             let name = ExemplarName { id, label: label.into() };
-            describe(name, &Frame::gray(image), &options)
+            describe(name, &Frame::gray(image), options)
         });
-        let (landmarks, report) = Landmarks::train(described.into(), &options).unwrap();
+        let (landmarks, report) = Landmarks::train(described.into(), options).unwrap();
         Artifact {
             digest: BlobName::of(b"inputs").to_string(),
             algorithm_revision: 1,
             counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
             report: Report::Landmarks(Box::new(LandmarkReport::from(&report))),
             model: Model::Landmarks(Box::new(landmarks)),
+        }
+    }
+
+    #[test]
+    fn windows_in_lists_lie_where_the_file_has_them_and_give_the_same_bytes() {
+        let file = Bytes::from(write(&of_gradients()));
+        let read = read(&file).unwrap();
+        assert_eq!(write(&read), file);
+        let Model::Landmarks(model) = &read.model else { panic!("it is one of landmarks") };
+        let WindowParts::Taught(taught) = LandmarkParts::from(&**model).windows else { panic!("in lists") };
+        assert!(taught.segments[0].phases.is_shared() && taught.segments[0].lists.codes.is_shared());
+        // wherever the bytes lie
+        for offset in 0..4 {
+            let moved = Bytes::from([vec![0; offset], file.to_vec()].concat()).slice(offset..);
+            assert_eq!(write(&super::read(&moved).unwrap()), file);
         }
     }
 
@@ -524,9 +556,11 @@ mod tests {
         fn whatever_the_tensors_hold_is_refused_or_of_use(
             edits in proptest::collection::vec((any::<usize>(), any::<usize>(), number()), 1..4),
             rows in proptest::option::of((any::<usize>(), 0_usize..40)),
+            gradients in any::<bool>(),
         ) {
-            static TRAINED: std::sync::LazyLock<Artifact> = std::sync::LazyLock::new(artifact);
-            let changed = changed(&TRAINED, |(_, tensors)| {
+            static TRAINED: std::sync::LazyLock<[Artifact; 2]> =
+                std::sync::LazyLock::new(|| [artifact(), of_gradients()]);
+            let changed = changed(&TRAINED[usize::from(gradients)], |(_, tensors)| {
                 for (tensor, at, value) in &edits {
                     let count = tensors.len();
                     let bytes = tensors[tensor % count].bytes.to_mut();
@@ -545,8 +579,7 @@ mod tests {
                 }
             });
             if let Ok(Artifact { model: Model::Landmarks(model), .. }) = changed {
-                let frame = Frame::gray(Image::from_fn(40, 40, |x, y| ((x * 7 + y * 13) % 256) as f32));
-                model.recognise(&frame, |_| ());
+                model.recognise(&Frame::gray(tiles(0)), |_| ());
             }
         }
     }
@@ -554,7 +587,7 @@ mod tests {
     #[test]
     fn a_newer_format_says_so() {
         let file = Bytes::from(write(&artifact()));
-        let at = find(&file, br#"\"format\":2"#).unwrap();
+        let at = find(&file, br#"\"format\":1"#).unwrap();
         let mut newer = file.to_vec();
         newer[at + 11] = b'9';
         assert!(matches!(read(&newer.into()), Err(ArtifactError::TooNew { found: 9 })));

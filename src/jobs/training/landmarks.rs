@@ -127,8 +127,9 @@ async fn taught(
         let teach = move || Landmarks::teach(space, encoded).map_err(stop);
         let ((model, report), teach_ms) = worker.alone("eigenspace", teach).await?;
         timings.eigenspace += teach_ms;
-        let computed = of_sample.computed + of_all.computed;
-        let descriptions = DescriptionsReport { computed, kept: count as u64 - computed.min(count as u64) };
+        // where none are kept, those of the sample were computed twice
+        let computed = (of_sample.computed + of_all.computed).min(count as u64);
+        let descriptions = DescriptionsReport { computed, kept: count as u64 - computed };
         return Ok((model, report, timings, descriptions));
     }
 }

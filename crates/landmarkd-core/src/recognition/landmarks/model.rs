@@ -64,7 +64,7 @@ pub(super) enum Windows {
     /// With signatures of intensities.
     Plain(PlainWindows),
     /// With signatures of gradients.
-    Taught(TaughtWindows),
+    Taught(Box<TaughtWindows>),
 }
 
 /// Windows with all that was computed of them.

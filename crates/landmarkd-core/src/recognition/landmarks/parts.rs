@@ -184,12 +184,12 @@ impl TryFrom<LandmarkParts> for Landmarks {
                     Signature::Intensity => Windows::Plain(plain.assemble(&options, dimension)),
                     Signature::Gradient => {
                         let taught = plain.taught(&options, &exemplars, dimension);
-                        Windows::Taught(taught.assemble(&options, &exemplars, dimension)?)
+                        Windows::Taught(taught.assemble(&options, &exemplars, dimension)?.into())
                     }
                 }
             }
             (WindowParts::Taught(taught), Signature::Gradient) => {
-                Windows::Taught(taught.assemble(&options, &exemplars, dimension)?)
+                Windows::Taught(taught.assemble(&options, &exemplars, dimension)?.into())
             }
             (WindowParts::Taught(_), Signature::Intensity) => return Err(PartsError::Signature),
         };

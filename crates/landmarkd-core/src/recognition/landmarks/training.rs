@@ -159,7 +159,7 @@ fn teach_segments(
     let describer = ScaleSpaceDescriber::new(&options);
     let taught = TaughtWindows::of_parts(describer, phases, codebook, segments, &exemplars)
         .ok_or(TrainingError::NoInterestPoints)?;
-    let (windows, confidence) = (Windows::Taught(taught), Some(Confidence::A_CONTRARIO));
+    let (windows, confidence) = (Windows::Taught(taught.into()), Some(Confidence::A_CONTRARIO));
     let model = Landmarks::assemble(options, exemplars, eigenspace, windows, confidence);
     let report = report(&model, spectrum);
     Ok((model, report))

@@ -12,16 +12,20 @@ use crate::recognition::landmarks::options::{Colour, LandmarkOptions};
 use crate::recognition::landmarks::training::TrainingError;
 use crate::vision::gradient_signature::SPECTRUM_LENGTH;
 
-/// Exemplars that are sampled at most, and windows of all of them.
+/// Exemplars that are sampled at most.
 const MOST_EXEMPLARS: usize = 1024;
-const MOST_WINDOWS: usize = 1 << 17;
+/// Windows that are sampled at most, 2 kB of each, of up to so many exemplars; of more exemplars as many times more as the
+/// root of their number is larger, as lists are.
+const MOST_WINDOWS: f64 = 65_536.0;
+const FEW_EXEMPLARS: f64 = 1000.0;
 /// Signatures that the eigenspace is fitted to at most, and spectra that the directions of phases are.
 pub(in super::super) const MOST_FITTED: usize = 30_000;
 
 /// The exemplars to sample, of so many: their indices, ascending, and the windows to take from each at most.
 pub fn sample_plan(exemplars: usize) -> (Vec<usize>, usize) {
     let chosen = exemplars.min(MOST_EXEMPLARS);
-    ((0..chosen).map(|i| i * exemplars / chosen).collect(), MOST_WINDOWS / chosen.max(1))
+    let windows = MOST_WINDOWS * (exemplars as f64 / FEW_EXEMPLARS).sqrt().max(1.0);
+    ((0..chosen).map(|i| i * exemplars / chosen).collect(), windows as usize / chosen.max(1))
 }
 
 /// Evenly chosen windows of an exemplar.
