@@ -16,11 +16,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("angle", &[]),
     ("statistics", &[]),
     ("random", &[]),
+    ("column", &[]),
     ("imaging", &["statistics", "random"]),
     ("vision", &["imaging"]),
-    ("eigen", &["random"]),
+    ("eigen", &["random", "column"]),
     ("depth", &["vision", "eigen", "imaging", "statistics"]),
-    ("recognition", &["vision", "eigen", "imaging", "angle", "statistics"]),
+    ("recognition", &["vision", "eigen", "imaging", "angle", "statistics", "column"]),
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
     ("store", &[]),
     ("compute", &[]),
@@ -32,7 +33,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("telemetry", &["config"]),
     ("connections", &["config"]),
     ("tls", &["config", "telemetry"]),
-    ("database", &["workcell", "recognition", "depth", "vision", "store", "compute", "telemetry"]),
+    // Tensors of an artifact are columns of the index.
+    (
+        "database",
+        &["workcell", "recognition", "depth", "vision", "eigen", "column", "store", "compute", "telemetry"],
+    ),
     // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
     // described.
     ("jobs", &["database", "store", "recognition", "depth", "imaging", "compute", "problem", "telemetry"]),
@@ -67,6 +72,7 @@ const CORE_DOORS: &[(&str, &[&str])] = &[
     ("embedded_graphics", &["imaging"]),
     ("colorous", &["imaging/false_colour.rs"]),
     ("libm", &["depth"]),
+    ("bytemuck", &["column.rs", "eigen/inverted_index"]),
     ("memchr", &["vision/segmentation/components.rs", "imaging/decode.rs"]),
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
@@ -88,6 +94,7 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
     ("getrandom", &["access"]),
     ("governor", &["access/loaded_key.rs"]),
     ("safetensors", &["database/artifact"]),
+    ("bytemuck", &["database/artifact"]),
     ("arc_swap", &["database/registry.rs", "access/keyring.rs"]),
     ("glob::", &["config.rs", "database", "access"]),
     ("rayon", &["compute.rs"]),

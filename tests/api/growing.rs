@@ -60,7 +60,7 @@ async fn what_is_new_is_added_to_the_version_in_use_and_what_is_gone_is_forgotte
     assert!(artifact(&app, second).await.windows(id.len()).any(|bytes| bytes == id.as_bytes()));
     app.delete(&format!("/v1/databases/lab/exemplars/{id}")).await.expect(204);
     let (third, report) = keep(&app).await;
-    assert_eq!((&report["grown"]["added"], &report["grown"]["removed"]), (&json!(0), &json!(1)));
+    assert_eq!((&report["grown"]["added"], &report["grown"]["removed"]), (&json!(2), &json!(1)));
     assert_eq!(report["grown"]["fitted_exemplars"], 5);
     let left = artifact(&app, third).await;
     assert!(!left.windows(id.len()).any(|bytes| bytes == id.as_bytes()));
@@ -68,10 +68,17 @@ async fn what_is_new_is_added_to_the_version_in_use_and_what_is_gone_is_forgotte
     assert!(left.len() + 1000 < artifact(&app, second).await.len());
     assert_eq!(named(&app, 7).await, "place-7");
 
-    // what was added and taken out again is as if it had never been
+    // fitted anew it is as if what is gone had never been
     app.train("lab", json!({"calibration": "none", "eigenspace": "fit"})).await;
     let (fourth, report) = current(&app).await;
     assert_eq!((fourth, &report["grown"]), (4, &Value::Null));
+    app.put("/v1/databases/never", json!({"kind": "landmarks"})).await.expect(201);
+    for number in [1, 2, 3, 4, 5, 7] {
+        app.add("never", &format!("place-{number}"), number).await;
+    }
+    app.train("never", json!({"calibration": "none"})).await;
+    let never = app.get("/v1/databases/never/versions/1/artifact").await;
+    assert_eq!(never.body.to_vec(), artifact(&app, fourth).await);
     // an artifact of several parts is imported as any other
     app.put("/v1/databases/copy", json!({"kind": "landmarks"})).await.expect(201);
     let media_type = "application/vnd.safetensors";
@@ -79,6 +86,38 @@ async fn what_is_new_is_added_to_the_version_in_use_and_what_is_gone_is_forgotte
     let version = imported.expect(201)["version"].clone();
     let copy = app.get(&format!("/v1/databases/copy/versions/{version}/artifact")).await;
     assert_eq!(copy.body.to_vec(), left);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_damaged_version_is_not_kept_and_an_imported_one_is_no_base() {
+    let app = App::start().await;
+    app.put("/v1/databases/lab", json!({"kind": "landmarks"})).await.expect(201);
+    for number in 1..5 {
+        app.add("lab", &format!("place-{number}"), number).await;
+    }
+    let (first, _) = keep(&app).await;
+    let file = artifact(&app, first).await;
+    let blobs = walk(&app.folder().join("blobs"));
+    let blob = blobs.into_iter().find(|path| std::fs::read(path).unwrap() == file).unwrap();
+    std::fs::write(&blob, b"something else").unwrap();
+    let (mended, _) = keep(&app).await;
+    assert_eq!((mended, artifact(&app, first).await), (first, file.clone()));
+
+    app.put("/v1/databases/copy", json!({"kind": "landmarks"})).await.expect(201);
+    app.post_bytes("/v1/databases/copy/versions", "application/vnd.safetensors", file).await.expect(201);
+    app.put("/v1/databases/copy/aliases/current", json!({"version": 1})).await.expect(201);
+    for number in 1..6 {
+        app.add("copy", &format!("place-{number}"), number).await;
+    }
+    app.train("copy", json!({"calibration": "none", "eigenspace": "keep"})).await;
+    let trained = app.get("/v1/databases/copy/versions/2").await.expect(200);
+    assert_eq!(trained["report"]["grown"], Value::Null);
+}
+
+/// The files of a folder and its folders.
+fn walk(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { walk(&path) } else { vec![path] }).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -75,11 +75,11 @@ impl<T: AnyBitPattern + NoUninit> Column<T> {
             return None;
         }
         let number = |bytes: &[u8]| {
-            let mut bytes = bytes.to_vec();
-            if cfg!(target_endian = "big") {
-                bytes.reverse();
+            if cfg!(target_endian = "little") {
+                return bytemuck::pod_read_unaligned(bytes);
             }
-            bytemuck::pod_read_unaligned(&bytes)
+            let reversed: Vec<u8> = bytes.iter().rev().copied().collect();
+            bytemuck::pod_read_unaligned(&reversed)
         };
         Some(numbers.map(number).collect::<Vec<T>>().into())
     }

@@ -5,9 +5,10 @@
 //! Signatures of gradients have windows in lists (`recognition/landmarks/multiscale`): `centroids` [lists, dimension],
 //! `steps` [dimension], `phase_basis` [56, 2, 36], and of each segment, from 0 on, `segment.0.starts` [lists + 1] (in blocks),
 //! `segment.0.codes` [blocks, pairs of coordinates, 16, 2], `segment.0.squares` and `segment.0.indices` [blocks, 16],
-//! `segment.0.fine` [blocks, 16, pairs], `segment.0.places` [points, 2], `segment.0.levels` [points], `segment.0.phases`
+//! `segment.0.fine` [blocks, 16, pairs], `segment.0.positions` [points, 2], `segment.0.levels` [points], `segment.0.phases`
 //! [points, 64], `segment.0.exemplars` (indices into the header's) and `segment.0.windows` (from which point on each
-//! exemplar's are, and their number). The eigenpoint of a place of a list is the list's centroid plus its code times `steps`.
+//! exemplar's are, and their number). The eigenpoint of a place of a list is the list's centroid plus `steps` times (code +
+//! (fine + ½)/16); a byte of `fine` has the even coordinate in its low half, the odd one in its high half, both signed.
 //!
 //! Signatures of intensities have `eigenpoints` [points, dimension], `points` [points, 3] (x, y in pixels, salience), `radius`
 //! [points] (which of the options' radii), `owner` [points] (index into the exemplars), `spectra` [points, rings, 24]. So had
@@ -22,8 +23,8 @@ use super::{ArtifactError, File, Tensor, le_bytes};
 use crate::database::{Counts, LandmarkReport, Name};
 use landmarkd_core::eigen::inverted_index::{BLOCK, SegmentColumns};
 use landmarkd_core::recognition::landmarks::{
-    Confidence, EdgePoint, Exemplar, LandmarkOptions, LandmarkParts, Landmarks, PlainParts, SegmentParts,
-    TaughtParts, WindowParts,
+    Confidence, EdgePoint, EncodedParts, Exemplar, LandmarkOptions, LandmarkParts, Landmarks, PlainParts,
+    SegmentParts, WindowParts,
 };
 
 /// The members of the header that only a landmark database has.
@@ -75,7 +76,7 @@ pub(super) fn header_and_tensors<'a>(
     ];
     match &parts.windows {
         WindowParts::Plain(plain) => tensors.extend(plain_tensors(plain, dimension, parts.options.rings)),
-        WindowParts::Taught(taught) => tensors.extend(taught_tensors(taught, dimension)),
+        WindowParts::Encoded(taught) => tensors.extend(taught_tensors(taught, dimension)),
     }
     let edges: Vec<f32> = parts.exemplars.iter().flat_map(|e| &e.edges).flat_map(edge_row).collect();
     if !edges.is_empty() {
@@ -100,8 +101,8 @@ fn plain_tensors(plain: &PlainParts, dimension: usize, rings: usize) -> Vec<Tens
     tensors
 }
 
-fn taught_tensors(taught: &TaughtParts, dimension: usize) -> Vec<Tensor<'_>> {
-    let TaughtParts { centroids, steps, phase_basis, segments } = taught;
+fn taught_tensors(taught: &EncodedParts, dimension: usize) -> Vec<Tensor<'_>> {
+    let EncodedParts { centroids, steps, phase_basis, segments } = taught;
     let lists = centroids.len() / dimension;
     let mut tensors = vec![
         Tensor::of_f32("centroids", vec![lists, dimension], centroids),
@@ -119,7 +120,7 @@ fn taught_tensors(taught: &TaughtParts, dimension: usize) -> Vec<Tensor<'_>> {
         add("fine", Dtype::U8, vec![blocks, BLOCK, dimension.div_ceil(2)], fine.le_bytes());
         add("squares", Dtype::F32, vec![blocks, BLOCK], squares.le_bytes());
         add("indices", Dtype::U32, vec![blocks, BLOCK], indices.le_bytes());
-        add("places", Dtype::U16, vec![points, 2], segment.places.le_bytes());
+        add("positions", Dtype::U16, vec![points, 2], segment.positions.le_bytes());
         add("levels", Dtype::U8, vec![points], segment.levels.le_bytes());
         add(
             "phases",
@@ -152,10 +153,10 @@ fn plain_parts(file: &File) -> Result<PlainParts, ArtifactError> {
     })
 }
 
-fn taught_parts(file: &File) -> Result<TaughtParts, ArtifactError> {
+fn taught_parts(file: &File) -> Result<EncodedParts, ArtifactError> {
     let floats = |name| file.values(name, Dtype::F32, f32::from_le_bytes);
     let segments = (0..).take_while(|&number| file.has(&tensor_name(number, "starts")));
-    Ok(TaughtParts {
+    Ok(EncodedParts {
         centroids: floats("centroids")?,
         steps: floats("steps")?,
         phase_basis: floats("phase_basis")?,
@@ -173,7 +174,7 @@ fn segment(file: &File, number: usize) -> Result<SegmentParts, ArtifactError> {
             squares: file.column(&name("squares"), Dtype::F32)?,
             indices: file.column(&name("indices"), Dtype::U32)?,
         },
-        places: file.column(&name("places"), Dtype::U16)?,
+        positions: file.column(&name("positions"), Dtype::U16)?,
         levels: file.column(&name("levels"), Dtype::U8)?,
         phases: file.column(&name("phases"), Dtype::U8)?,
         starts: file.column(&name("windows"), Dtype::U32)?,
@@ -198,7 +199,7 @@ pub(super) fn assemble(
         confidence: header.confidence.map(Confidence::from),
         windows: match file.has("eigenpoints") {
             true => WindowParts::Plain(plain_parts(file)?),
-            false => WindowParts::Taught(taught_parts(file)?),
+            false => WindowParts::Encoded(taught_parts(file)?),
         },
     };
     let named = |exemplar: &Exemplar| {

@@ -429,7 +429,7 @@ mod tests {
         let read = read(&file).unwrap();
         assert_eq!(write(&read), file);
         let Model::Landmarks(model) = &read.model else { panic!("it is one of landmarks") };
-        let WindowParts::Taught(taught) = LandmarkParts::from(&**model).windows else { panic!("in lists") };
+        let WindowParts::Encoded(taught) = LandmarkParts::from(&**model).windows else { panic!("in lists") };
         assert!(taught.segments[0].phases.is_shared() && taught.segments[0].lists.codes.is_shared());
         // wherever the bytes lie
         for offset in 0..4 {

@@ -11,7 +11,8 @@ use landmarkd_core::recognition::landmarks::{Colour, Reliability, ReliabilityBin
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = LandmarkReportBody)]
 pub struct LandmarkReport {
-    /// Variance along each direction of the signatures' space, descending, all of them.
+    /// Variance along each direction of the signatures' space, descending, all of them; of a version that has grown, those
+    /// that are kept.
     pub spectrum: Vec<f64>,
     /// Part of the variance that the kept dimensions hold.
     pub energy_kept: f64,
@@ -62,9 +63,9 @@ pub struct GrownReport {
     pub from_version: i64,
     /// Exemplars that the eigenspace was fitted to.
     pub fitted_exemplars: u64,
-    /// Exemplars that are new, or have another label.
+    /// Exemplars that have come since, or have another label.
     pub added: u64,
-    /// Exemplars that are gone.
+    /// Exemplars that have gone since: what the eigenspace and the centroids of the lists owe to them is still there.
     pub removed: u64,
     /// Parts that the windows are kept in: each training that adds exemplars makes one, and of many one is made.
     pub segments: u64,

@@ -100,18 +100,20 @@ async fn taught(
     let (chosen, most) = sample_plan(exemplars.len());
     let sampled: Vec<ExemplarRow> = chosen.into_iter().map(|index| exemplars[index].clone()).collect();
     let mut timings = TrainingTimings { describe: 0.0, eigenspace: 0.0, rehearsal: None };
+    let mut computed = 0;
     loop {
         let sample = move |described: DescribedExemplar| WindowSample::of(&described, most);
         let (samples, of_sample, sample_ms) =
             described(worker, "sampling", sampled.clone(), &options, sample).await?;
         let (count, with) = (exemplars.len(), fitted.clone());
-        let fit = move || WindowSpace::fit(&samples, count, &with).map(Arc::new).map_err(stop);
+        let fit = move || WindowSpace::fit(samples, count, &with).map(Arc::new).map_err(stop);
         let (space, fit_ms) = worker.alone("eigenspace", fit).await?;
         let with = Arc::clone(&space);
         let encode = move |described| with.encode(described);
         let (encoded, of_all, describe_ms) =
             described(worker, "describing", exemplars.clone(), &options, encode).await?;
         timings.describe += sample_ms + describe_ms;
+        computed += of_sample.computed + of_all.computed;
         timings.eigenspace += fit_ms;
         let encoded = match encoded.into_iter().collect::<Result<Vec<_>, _>>() {
             // one that was not sampled: luminance alone for all
@@ -124,11 +126,11 @@ async fn taught(
         let space = Arc::into_inner(space).ok_or_else(|| {
             Stop::failed(Code::Internal, "the eigenspace is still in use after its exemplars")
         })?;
-        let teach = move || Landmarks::teach(space, encoded).map_err(stop);
+        let teach = move || Landmarks::of_encoded(space, encoded).map_err(stop);
         let ((model, report), teach_ms) = worker.alone("eigenspace", teach).await?;
         timings.eigenspace += teach_ms;
-        // where none are kept, those of the sample were computed twice
-        let computed = (of_sample.computed + of_all.computed).min(count as u64);
+        // where none are kept, some were computed twice
+        let computed = computed.min(count as u64);
         let descriptions = DescriptionsReport { computed, kept: count as u64 - computed };
         return Ok((model, report, timings, descriptions));
     }

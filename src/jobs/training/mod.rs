@@ -31,7 +31,6 @@ use crate::store::{CatalogueError, NewVersion};
 use crate::telemetry::chain;
 pub use gate::VersionComparison;
 pub use growing::EigenspaceChoice;
-use growing::Growth;
 use landmarks::Fitted;
 pub use objects::UnfitExemplars;
 
@@ -159,36 +158,43 @@ pub(super) async fn run(worker: &Worker<'_>, job: &JobRow) -> Result<i64, Stop> 
     if let Some(version) = job.version {
         return check_published(worker, &inputs, version).await;
     }
-    if let Some(version) = reuse(worker, &inputs).await? {
+    if let Some(version) = reuse(worker, &inputs, None).await? {
         return Ok(version);
     }
-    let growth = match &inputs.params.options {
-        Options::Landmarks(options) if inputs.params.options.have_gradients() => {
-            growing::grown(worker, &inputs, options).await?
+    let mut grown = None;
+    if let Options::Landmarks(options) = &inputs.params.options
+        && inputs.params.options.have_gradients()
+        && let Some(base) = growing::base(worker, &inputs, options).await?
+    {
+        let (fitted, same) = (inputs.digest.clone(), base.is_same(&inputs).then(|| base.version()));
+        inputs.digest = base.digest.clone();
+        if let Some(version) = reuse(worker, &inputs, same).await? {
+            return Ok(version);
         }
-        _ => Growth::None,
-    };
-    let grown = match growth {
-        Growth::None => None,
-        Growth::Same(version) => return end_with(worker, &inputs, version).await,
-        Growth::Grown(fitted, report, digest) => {
-            inputs.digest = digest;
-            if let Some(version) = reuse(worker, &inputs).await? {
-                return Ok(version);
-            }
-            Some((*fitted, report))
+        // what has nothing new and doesn't load is trained anew
+        if same.is_none() {
+            grown = base.grown(worker, &inputs, options).await?;
         }
-    };
+        if grown.is_none() {
+            inputs.digest = fitted;
+        }
+    }
     let (artifact, bytes) = train(worker, &inputs, grown).await?;
     publish(worker, &inputs, &artifact, bytes).await
 }
 
-/// Ends the job with the version that was trained from the same inputs, if there is one that loads.
-async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop> {
-    let databases = worker.databases;
+/// Ends the job with the version that was trained from the same inputs, or that of the number which has the same exemplars, if
+/// it loads.
+async fn reuse(worker: &Worker<'_>, inputs: &Inputs, same: Option<i64>) -> Result<Option<i64>, Stop> {
+    let Worker { lease, databases, .. } = worker;
     let Inputs { database, digest, .. } = inputs;
-    let Some(found) = databases.catalogue.version_by_digest(database, digest).await? else { return Ok(None) };
-    let version = match databases.registry().load(database, found.version, digest, &found.blob).await {
+    let found = match same {
+        Some(version) => databases.catalogue.version(database, version).await?,
+        None => databases.catalogue.version_by_digest(database, digest).await?,
+    };
+    let Some(found) = found else { return Ok(None) };
+    let loaded = databases.registry().load(database, found.version, &found.digest, &found.blob).await;
+    let version = match loaded {
         Ok(version) => version,
         // Trained again it gives the same bytes, and storing those mends the artifact.
         Err(DatabaseError::Unloadable { reason, .. }) => {
@@ -197,33 +203,13 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs) -> Result<Option<i64>, Stop
         }
         Err(error) => return Err(error.into()),
     };
-    end(worker, inputs, found, version).await.map(Some)
-}
-
-/// Ends the job with the version of a number, which has its exemplars and options.
-async fn end_with(worker: &Worker<'_>, inputs: &Inputs, version: i64) -> Result<i64, Stop> {
-    let (database, databases) = (&inputs.database, worker.databases);
-    let not_found = || CatalogueError::NotFound { what: format!("version {version} of {database}") };
-    let found = databases.catalogue.version(database, version).await?.ok_or_else(not_found)?;
-    let loaded = databases.registry().load(database, version, &found.digest, &found.blob).await?;
-    end(worker, inputs, found, loaded).await
-}
-
-/// Ends the job with a version that there is.
-async fn end(
-    worker: &Worker<'_>,
-    inputs: &Inputs,
-    found: VersionRow,
-    version: Arc<LoadedVersion>,
-) -> Result<i64, Stop> {
-    let Worker { lease, databases, .. } = worker;
     let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
     if inputs.wants_verdict() && !report_of(&found)?.has_verdict() {
-        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await;
+        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await.map(Some);
     }
     let _publishing = lease.publishing().await;
-    let (number, comparison) = (found.version, comparison.as_deref());
-    databases.catalogue.succeed_job(lease.id, lease.token, Some(number), alias, comparison).await?;
+    let (number, comparison) = (Some(found.version), comparison.as_deref());
+    databases.catalogue.succeed_job(lease.id, lease.token, number, alias, comparison).await?;
     serve_now(databases).await;
     Ok(number)
 }

@@ -27,7 +27,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::neighbours::{Neighbour, dot};
 use crate::column::Column;
 
-/// Below this many eigenpoints all lists are probed, and the search is exact.
+/// Below this many eigenpoints all lists are probed.
 const EXACT_BELOW: usize = 4096;
 /// Eigenpoints of a list, where all lists are probed.
 const SHORT_LIST: usize = 64;
@@ -252,7 +252,7 @@ impl InvertedIndex {
         self.codebook.lists()
     }
 
-    /// Memory that it takes, in bytes: of each eigenpoint a byte a coordinate and 8 more, and a little.
+    /// Memory that it takes, in bytes: of each eigenpoint a byte and a half a coordinate, 8 more, and a little.
     pub fn bytes(&self) -> usize {
         self.codebook.bytes() + self.segments.iter().map(Segment::bytes).sum::<usize>()
     }
@@ -270,8 +270,7 @@ impl InvertedIndex {
         self.nearest_several_probing(queries, count, probes)
     }
 
-    /// As [`InvertedIndex::nearest_several`], probing `probes` lists, all where those hold fewer than `count`; exact if these
-    /// are all.
+    /// As [`InvertedIndex::nearest_several`], probing `probes` lists, all where those hold fewer than `count`.
     ///
     /// # Panics
     /// As [`InvertedIndex::nearest_several`], or if `probes` is 0.
@@ -282,21 +281,21 @@ impl InvertedIndex {
         let (asked, count) = (queries.len() / dimension, count.min(self.count()));
         let few = count + count / 4 + MORE;
         let mut candidates: Vec<Candidates> = (0..asked).map(|_| Candidates::new(few)).collect();
-        let visits = self.visits(queries, probes.min(self.lists()));
+        let probed = self.probed(queries, probes.min(self.lists()));
         let steps = self.codebook.steps();
         let whole = WholeQueries::new(queries, dimension, |at| steps[at]);
         let mut tiles = Tiles::default();
-        for visits in visits {
-            self.look(&whole, &visits, &mut candidates, &mut tiles);
+        for probed in probed {
+            self.scan_lists(&whole, &probed, &mut candidates, &mut tiles);
         }
         for number in 0..asked {
             if candidates[number].len() < count {
                 // those lists hold too few
                 candidates[number] = Candidates::new(few);
                 let query = &queries[number * dimension..][..dimension];
-                let every: Vec<Visit> =
-                    (0..self.lists() as u32).map(|list| self.visit(list, number, query)).collect();
-                self.look(&whole, &every, &mut candidates, &mut tiles);
+                let every: Vec<Probe> =
+                    (0..self.lists() as u32).map(|list| self.probe(list, number, query)).collect();
+                self.scan_lists(&whole, &every, &mut candidates, &mut tiles);
             }
         }
         let mut found = Vec::with_capacity(asked * count);
@@ -313,7 +312,7 @@ impl InvertedIndex {
 
     /// Which queries probe which lists, by list: first each its nearest ones, so that it knows how near its nearest are at
     /// most; then the others.
-    fn visits(&self, queries: &[f32], probes: usize) -> [Vec<Visit>; 2] {
+    fn probed(&self, queries: &[f32], probes: usize) -> [Vec<Probe>; 2] {
         let dimension = self.codebook.dimension();
         let (blocks, unit) = self.codebook.blocks();
         let whole = WholeQueries::new(queries, dimension, |_| 1.0);
@@ -321,27 +320,33 @@ impl InvertedIndex {
         let mut tiles = Tiles::default();
         tiles.fill(&whole, unit, (0..whole.count() as u32).map(|number| (number, 0.0)));
         blocks.scan(0..blocks.count(), 0, &tiles, &mut nearest);
-        let mut visits = [(); 2].map(|()| Vec::with_capacity(whole.count() * probes));
+        let mut probed = [(); 2].map(|()| Vec::with_capacity(whole.count() * probes));
         let queries = queries.chunks_exact(dimension);
         for (number, (query, nearest)) in queries.zip(&mut nearest).enumerate() {
             for (rank, (_, list)) in nearest.nearest().enumerate() {
-                visits[usize::from(rank >= FIRST_PROBES)].push(self.visit(list, number, query));
+                probed[usize::from(rank >= FIRST_PROBES)].push(self.probe(list, number, query));
             }
         }
-        visits.iter_mut().for_each(|visits| visits.sort_unstable_by_key(|visit| (visit.list, visit.query)));
-        visits
+        probed.iter_mut().for_each(|probed| probed.sort_unstable_by_key(|probe| (probe.list, probe.query)));
+        probed
     }
 
-    fn visit(&self, list: u32, number: usize, query: &[f32]) -> Visit {
+    fn probe(&self, list: u32, number: usize, query: &[f32]) -> Probe {
         let offset = -2.0 * dot(query, self.codebook.centroid(list as usize)) as f32;
-        Visit { list, query: number as u32, offset }
+        Probe { list, query: number as u32, offset }
     }
 
-    /// Makes visits, sorted by list.
-    fn look(&self, whole: &WholeQueries, visits: &[Visit], candidates: &mut [Candidates], tiles: &mut Tiles) {
-        for visits in visits.chunk_by(|a, b| a.list == b.list) {
-            let list = visits[0].list as usize;
-            tiles.fill(whole, 1.0, visits.iter().map(|visit| (visit.query, visit.offset)));
+    /// Shows the lists to the queries that probe them; sorted by list.
+    fn scan_lists(
+        &self,
+        whole: &WholeQueries,
+        probed: &[Probe],
+        candidates: &mut [Candidates],
+        tiles: &mut Tiles,
+    ) {
+        for probed in probed.chunk_by(|a, b| a.list == b.list) {
+            let list = probed[0].list as usize;
+            tiles.fill(whole, 1.0, probed.iter().map(|probe| (probe.query, probe.offset)));
             let mut first = 0;
             for segment in &self.segments {
                 let blocks = segment.starts[list] as usize..segment.starts[list + 1] as usize;
@@ -401,7 +406,7 @@ fn square_distance(query: &[f32], point: &[f32]) -> f32 {
 }
 
 /// A query that probes a list.
-struct Visit {
+struct Probe {
     list: u32,
     query: u32,
     /// −2 q·c.
@@ -444,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn with_all_lists_probed_the_answer_is_exact_for_what_is_kept() {
+    fn with_all_lists_probed_the_nearest_of_what_is_kept_are_found() {
         for (count, lists) in [(1, 1), (5, 5), (333, 7), (4000, 60), (4001, 1)] {
             let (points, queries) = (clustered(count, 3), clustered(37, 4));
             let index = InvertedIndex::with_lists(&points, DIMENSION, lists);

@@ -41,7 +41,7 @@ pub fn exemplars_to_leave_out(model: &Landmarks) -> Vec<usize> {
 /// Asks for the picture of the exemplar of this id with that exemplar left out; `None` if there is no such exemplar, or
 /// its database has other signatures.
 pub fn left_out(model: &Landmarks, id: &str, frame: &Frame) -> Option<LeftOut> {
-    let Windows::Taught(taught) = &model.windows else { return None };
+    let Windows::Encoded(taught) = &model.windows else { return None };
     let exemplar = model.exemplars.iter().position(|exemplar| exemplar.id == id)?;
     let label = model.exemplars[exemplar].label.clone();
     let recognition = multiscale::recognise(model, taught, Some(exemplar), frame, |_| ());

@@ -45,12 +45,12 @@ pub use held_out::{CalibrationPlan, calibration_samples, correct_decisions, name
 pub use homography::Homography;
 pub use leave_one_out::{LeftOut, exemplars_to_leave_out, left_out};
 pub use model::{Exemplar, Landmarks};
-pub use multiscale::taught::SegmentParts;
+pub use multiscale::encoded_windows::SegmentParts;
 pub use multiscale::window_space::{EncodedExemplar, WindowSample, WindowSpace, residual_of, sample_plan};
 pub use options::{
     Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Preset, Signature, Taper, Viewpoint,
 };
-pub use parts::{LandmarkParts, PartsError, PlainParts, TaughtParts, WindowParts};
+pub use parts::{EncodedParts, LandmarkParts, PartsError, PlainParts, WindowParts};
 pub use placement::Placement;
 pub use reason::Reason;
 pub use recognition::{

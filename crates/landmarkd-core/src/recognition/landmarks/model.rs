@@ -4,7 +4,7 @@ use super::confidence::{CalibrationSample, Confidence, Reliability};
 use super::description::{Describer, ExemplarName, Window};
 use super::edge_template::EdgePoint;
 use super::held_out::CalibrationPlan;
-use super::multiscale::taught::TaughtWindows;
+use super::multiscale::encoded_windows::EncodedWindows;
 use super::options::LandmarkOptions;
 use super::recognise::recognise;
 use super::recognition::{Recognition, Stage};
@@ -64,7 +64,7 @@ pub(super) enum Windows {
     /// With signatures of intensities.
     Plain(PlainWindows),
     /// With signatures of gradients.
-    Taught(Box<TaughtWindows>),
+    Encoded(Box<EncodedWindows>),
 }
 
 /// Windows with all that was computed of them.
@@ -92,7 +92,7 @@ impl Windows {
     pub fn count(&self) -> usize {
         match self {
             Windows::Plain(plain) => plain.windows.len(),
-            Windows::Taught(taught) => taught.index().count(),
+            Windows::Encoded(taught) => taught.index().count(),
         }
     }
 
@@ -100,7 +100,7 @@ impl Windows {
     pub fn exemplar(&self, window: usize) -> usize {
         match self {
             Windows::Plain(plain) => plain.windows[window].exemplar as usize,
-            Windows::Taught(taught) => taught.exemplar(window),
+            Windows::Encoded(taught) => taught.exemplar(window),
         }
     }
 
@@ -108,7 +108,7 @@ impl Windows {
     pub fn bytes(&self) -> usize {
         match self {
             Windows::Plain(plain) => plain.bytes(),
-            Windows::Taught(taught) => taught.bytes(),
+            Windows::Encoded(taught) => taught.bytes(),
         }
     }
 }

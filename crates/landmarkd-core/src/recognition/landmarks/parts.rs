@@ -11,8 +11,8 @@ use super::description::{Describer, Window};
 use super::edge_template::EdgePoint;
 use super::model::{Exemplar, Landmarks, PlainWindows, TrainedWindow, Windows};
 use super::multiscale::description::{MOST_LEVELS, ScaleSpaceDescriber};
+use super::multiscale::encoded_windows::{EncodedWindows, SegmentParts};
 use super::multiscale::phase_space::{BASIS_LENGTH, PhaseSpace};
-use super::multiscale::taught::{SegmentParts, TaughtWindows};
 use super::multiscale::window_space::{MOST_FITTED, unit_px};
 use super::options::{Colour, LandmarkOptions, Signature};
 use super::position_prior::{row_length, with_positions, without_positions};
@@ -54,7 +54,7 @@ pub enum WindowParts {
     /// With all that was computed of each: signatures of intensities, and gradients as releases before 0.2 kept them.
     Plain(PlainParts),
     /// Signatures of gradients.
-    Taught(TaughtParts),
+    Encoded(EncodedParts),
 }
 
 /// Windows with all that was computed of them. n is their number.
@@ -74,7 +74,7 @@ pub struct PlainParts {
 
 /// Windows in lists.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TaughtParts {
+pub struct EncodedParts {
     /// Lists × dimension, row-major.
     pub centroids: Vec<f32>,
     /// What a code of 1 is worth in each coordinate.
@@ -143,7 +143,7 @@ impl From<&Landmarks> for LandmarkParts {
             confidence: model.confidence,
             windows: match &model.windows {
                 Windows::Plain(plain) => WindowParts::Plain(plain_parts(model, plain)),
-                Windows::Taught(taught) => WindowParts::Taught(TaughtParts {
+                Windows::Encoded(taught) => WindowParts::Encoded(EncodedParts {
                     centroids: taught.index().codebook().centroids().to_vec(),
                     steps: taught.index().codebook().steps().to_vec(),
                     phase_basis: taught.phases.basis().to_vec(),
@@ -184,14 +184,14 @@ impl TryFrom<LandmarkParts> for Landmarks {
                     Signature::Intensity => Windows::Plain(plain.assemble(&options, dimension)),
                     Signature::Gradient => {
                         let taught = plain.taught(&options, &exemplars, dimension);
-                        Windows::Taught(taught.assemble(&options, &exemplars, dimension)?.into())
+                        Windows::Encoded(taught.assemble(&options, &exemplars, dimension)?.into())
                     }
                 }
             }
-            (WindowParts::Taught(taught), Signature::Gradient) => {
-                Windows::Taught(taught.assemble(&options, &exemplars, dimension)?.into())
+            (WindowParts::Encoded(taught), Signature::Gradient) => {
+                Windows::Encoded(taught.assemble(&options, &exemplars, dimension)?.into())
             }
-            (WindowParts::Taught(_), Signature::Intensity) => return Err(PartsError::Signature),
+            (WindowParts::Encoded(_), Signature::Intensity) => return Err(PartsError::Signature),
         };
         Ok(Landmarks::assemble(options, exemplars, eigenspace, windows, parts.confidence))
     }
@@ -236,7 +236,7 @@ impl LandmarkParts {
             ("mean", small(&self.mean)),
             ("basis", small(&self.basis)),
             ("eigenvalues", self.eigenvalues.iter().all(variance)),
-            ("total_variance", variance(&self.total_variance)),
+            ("total_variance", variance(&self.total_variance) && self.total_variance > 0.0),
         ])
     }
 
@@ -335,7 +335,7 @@ impl PlainParts {
     }
 
     /// The windows of parts that are sound and have gradients, in lists.
-    fn taught(&self, options: &LandmarkOptions, exemplars: &[Exemplar], dimension: usize) -> TaughtParts {
+    fn taught(&self, options: &LandmarkOptions, exemplars: &[Exemplar], dimension: usize) -> EncodedParts {
         let codebook = Codebook::fit(&self.eigenpoints, dimension, lists_for(self.owner.len()));
         let stride = self.owner.len().div_ceil(MOST_FITTED);
         let spectra = self.spectra.chunks_exact(SPECTRUM_LENGTH).step_by(stride).flatten();
@@ -346,18 +346,18 @@ impl PlainParts {
             let unit_px = unit_px(exemplars[owner as usize].working_size_px(options));
             [x_px, y_px].map(|at| (at / unit_px).round() as u16)
         };
-        let places: Vec<u16> = self.points.as_chunks().0.iter().zip(&self.owner).flat_map(place).collect();
+        let positions: Vec<u16> = self.points.as_chunks().0.iter().zip(&self.owner).flat_map(place).collect();
         let starts: Vec<u32> = (0..=exemplars.len() as u32)
             .map(|exemplar| self.owner.partition_point(|&owner| owner < exemplar) as u32)
             .collect();
         let kept = phases.as_ref().map_or_else(Vec::new, |phases| phases.kept(&self.spectra));
-        TaughtParts {
+        EncodedParts {
             centroids: codebook.centroids().to_vec(),
             steps: codebook.steps().to_vec(),
             phase_basis: phases.map_or_else(Vec::new, |phases| phases.basis().to_vec()),
             segments: vec![SegmentParts {
                 lists: Segment::new(&codebook, &codes).columns(),
-                places: places.into(),
+                positions: positions.into(),
                 levels: self.radius.clone().into(),
                 phases: kept.into(),
                 starts: starts.into(),
@@ -367,13 +367,13 @@ impl PlainParts {
     }
 }
 
-impl TaughtParts {
+impl EncodedParts {
     fn assemble(
         self,
         options: &LandmarkOptions,
         exemplars: &[Exemplar],
         dimension: usize,
-    ) -> Result<TaughtWindows, PartsError> {
+    ) -> Result<EncodedWindows, PartsError> {
         check_lengths([
             ("steps", dimension, self.steps.len()),
             ("phase_basis", BASIS_LENGTH, self.phase_basis.len()),
@@ -386,7 +386,7 @@ impl TaughtParts {
         let codebook = Codebook::of_parts(self.centroids, self.steps).ok_or(PartsError::Lists)?;
         let phases = PhaseSpace::of_basis(self.phase_basis).ok_or(PartsError::Lists)?;
         let describer = ScaleSpaceDescriber::new(options);
-        TaughtWindows::of_parts(describer, Arc::new(phases), Arc::new(codebook), self.segments, exemplars)
+        EncodedWindows::of_parts(describer, Arc::new(phases), Arc::new(codebook), self.segments, exemplars)
             .ok_or(PartsError::Lists)
     }
 }
@@ -437,7 +437,7 @@ mod tests {
     fn plain(parts: &mut LandmarkParts) -> &mut PlainParts {
         match &mut parts.windows {
             WindowParts::Plain(plain) => plain,
-            WindowParts::Taught(_) => panic!("signatures of intensities"),
+            WindowParts::Encoded(_) => panic!("signatures of intensities"),
         }
     }
 

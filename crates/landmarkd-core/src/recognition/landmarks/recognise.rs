@@ -23,7 +23,7 @@ pub(super) fn recognise(
     frame: &Frame,
     mut finished: impl FnMut(Stage),
 ) -> Recognition {
-    if let Windows::Taught(taught) = &model.windows {
+    if let Windows::Encoded(taught) = &model.windows {
         return multiscale::recognise(model, taught, None, frame, finished);
     }
     let attention = model.describer.attend(frame); // A§4.2

@@ -6,7 +6,7 @@ use super::confidence::Confidence;
 use super::description::DescribedExemplar;
 use super::model::{Exemplar, Landmarks, Windows};
 use super::multiscale::description::ScaleSpaceDescriber;
-use super::multiscale::taught::{SegmentParts, TaughtWindows};
+use super::multiscale::encoded_windows::{EncodedWindows, SegmentParts};
 use super::multiscale::window_space::{EncodedExemplar, WindowSample, WindowSpace, sample_plan};
 use super::options::{Colour, LandmarkOptions, Signature};
 use super::parts::{PlainParts, coordinates};
@@ -16,7 +16,7 @@ use crate::recognition::OptionFault;
 /// Figures of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingReport {
-    /// Variance along every direction, descending.
+    /// Variance along every direction, descending; of a database that has grown, along those that are kept.
     pub spectrum: Vec<f64>,
     /// The part of all variance that the kept directions hold, 0..=1.
     pub energy_kept: f64,
@@ -87,9 +87,9 @@ impl Landmarks {
                 let (chosen, most) = sample_plan(exemplars.len());
                 let samples: Vec<WindowSample> =
                     chosen.iter().map(|&index| WindowSample::of(&exemplars[index], most)).collect();
-                let space = WindowSpace::fit(&samples, exemplars.len(), &resolved)?;
+                let space = WindowSpace::fit(samples, exemplars.len(), &resolved)?;
                 let encoded = exemplars.into_iter().map(|e| space.encode(e)).collect::<Result<_, _>>()?;
-                Landmarks::teach(space, encoded)
+                Landmarks::of_encoded(space, encoded)
             }
         }
     }
@@ -98,14 +98,14 @@ impl Landmarks {
     ///
     /// # Errors
     /// As [`Landmarks::train`].
-    pub fn teach(
+    pub fn of_encoded(
         space: WindowSpace,
         mut encoded: Vec<EncodedExemplar>,
     ) -> Result<(Landmarks, TrainingReport), TrainingError> {
         encoded.sort_by(|a, b| a.exemplar.sort_key().cmp(&b.exemplar.sort_key()));
         let exemplars: Vec<Exemplar> = encoded.iter_mut().map(|e| std::mem::take(&mut e.exemplar)).collect();
         let segment = SegmentParts::of(&space.codebook, encoded);
-        teach_segments(space, exemplars, vec![segment])
+        of_segments(space, exemplars, vec![segment])
     }
 }
 
@@ -120,7 +120,7 @@ impl Landmarks {
         added: Vec<EncodedExemplar>,
         keeps: impl Fn(&Exemplar) -> bool,
     ) -> Result<(Landmarks, TrainingReport), TrainingError> {
-        let (Windows::Taught(taught), Some(space)) = (&self.windows, WindowSpace::of(self)) else {
+        let (Windows::Encoded(taught), Some(space)) = (&self.windows, WindowSpace::of(self)) else {
             return Err(TrainingError::OtherOptions(self.exemplars[0].id.clone()));
         };
         let groups = taught.regrouped(&self.exemplars, keeps, added);
@@ -136,20 +136,20 @@ impl Landmarks {
             }
         };
         let segments = groups.into_iter().map(of_group).collect();
-        teach_segments(space, exemplars, segments)
+        of_segments(space, exemplars, segments)
     }
 
     /// Exemplars that were taught together, each with those that were added later.
     pub fn segments(&self) -> usize {
         match &self.windows {
             Windows::Plain(_) => 1,
-            Windows::Taught(taught) => taught.index().segments().len(),
+            Windows::Encoded(taught) => taught.index().segments().len(),
         }
     }
 }
 
 /// The database of sorted exemplars whose windows are in segments.
-fn teach_segments(
+fn of_segments(
     space: WindowSpace,
     exemplars: Vec<Exemplar>,
     segments: Vec<SegmentParts>,
@@ -157,9 +157,9 @@ fn teach_segments(
     let WindowSpace { options, eigenspace, spectrum, codebook, phases } = space;
     check_exemplars(exemplars.iter(), options.signature)?;
     let describer = ScaleSpaceDescriber::new(&options);
-    let taught = TaughtWindows::of_parts(describer, phases, codebook, segments, &exemplars)
+    let taught = EncodedWindows::of_parts(describer, phases, codebook, segments, &exemplars)
         .ok_or(TrainingError::NoInterestPoints)?;
-    let (windows, confidence) = (Windows::Taught(taught.into()), Some(Confidence::A_CONTRARIO));
+    let (windows, confidence) = (Windows::Encoded(taught.into()), Some(Confidence::A_CONTRARIO));
     let model = Landmarks::assemble(options, exemplars, eigenspace, windows, confidence);
     let report = report(&model, spectrum);
     Ok((model, report))

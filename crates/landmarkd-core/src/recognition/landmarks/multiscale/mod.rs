@@ -8,6 +8,7 @@ mod a_contrario;
 mod consensus;
 mod decision;
 pub(super) mod description;
+pub(super) mod encoded_windows;
 mod hypothesis;
 mod instance;
 mod matching;
@@ -18,17 +19,16 @@ mod placed_template;
 #[cfg(test)]
 mod planted;
 mod ranking;
-pub(super) mod taught;
 pub(super) mod window_space;
 mod window_votes;
 
 use decision::{decided, likeliest_first};
 use description::ScaleSpaceDescriber;
+use encoded_windows::EncodedWindows;
 use hypothesis::{Hypothesis, HypothesisOptions, hypotheses};
 use instance::instances;
 use mirror::{AT_A_LOOK, BEYOND_SYMMETRY, CLEARER, EVERY, WORTH_A_LOOK, mirrored};
 use ranking::{AskedWindows, Ranking};
-use taught::TaughtWindows;
 use window_votes::WindowVotes;
 
 use super::description::{DescribedExemplar, ExemplarName};
@@ -77,7 +77,7 @@ fn posted_side(side_px: usize, reduction: f32) -> u32 {
 /// Recognises a frame by all exemplars of a database, or without the one of an index. Calls `finished` after each stage.
 pub(super) fn recognise(
     model: &Landmarks,
-    taught: &TaughtWindows,
+    taught: &EncodedWindows,
     held_out: Option<usize>,
     frame: &Frame,
     mut finished: impl FnMut(Stage),

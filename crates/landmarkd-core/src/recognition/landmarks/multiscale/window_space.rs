@@ -39,6 +39,11 @@ pub struct WindowSample {
 }
 
 impl WindowSample {
+    /// Windows that were taken.
+    fn rows(&self) -> usize {
+        self.spectra.len() / SPECTRUM_LENGTH
+    }
+
     /// At most so many windows of a described exemplar.
     pub fn of(described: &DescribedExemplar, most: usize) -> WindowSample {
         let windows = described.windows.len();
@@ -75,7 +80,7 @@ pub struct EncodedExemplar {
     /// Of its windows' eigenpoints.
     pub(super) codes: Codes,
     /// x and y of each window, in units of [`unit_px`].
-    pub(super) places: Vec<u16>,
+    pub(super) positions: Vec<u16>,
     pub(super) levels: Vec<u8>,
     pub(super) phases: Vec<u8>,
     /// Squared length of its signatures, less the mean: of all, and of what the eigenspace doesn't hold.
@@ -88,26 +93,32 @@ impl WindowSpace {
     /// # Errors
     /// No window in the samples; signatures that don't vary, or are of other options.
     pub fn fit(
-        samples: &[WindowSample],
+        samples: Vec<WindowSample>,
         exemplars: usize,
         options: &LandmarkOptions,
     ) -> Result<WindowSpace, TrainingError> {
         let resolved = options.with_colour(samples.iter().all(|sample| sample.colour));
         let length = resolved.signature_length();
-        let signatures: Vec<f32> = samples.iter().flat_map(|sample| rows(sample, length)).copied().collect();
+        let (sampled, windows) = (samples.len(), samples.iter().map(|sample| sample.windows).sum::<usize>());
+        let rows_of_all: usize = samples.iter().map(WindowSample::rows).sum();
+        let stride = rows_of_all.div_ceil(MOST_FITTED).max(1);
+        let spectra = samples.iter().flat_map(|sample| sample.spectra.chunks_exact(SPECTRUM_LENGTH));
+        let spectra: Vec<i8> = spectra.step_by(stride).flatten().copied().collect();
+        let mut signatures = Vec::with_capacity(rows_of_all * length);
+        for sample in samples {
+            signatures.extend(rows(&sample, length));
+        }
         if signatures.is_empty() {
             return Err(TrainingError::NoInterestPoints);
         }
-        let stride = (signatures.len() / length).div_ceil(MOST_FITTED);
+        let phases = PhaseSpace::fit(&spectra).ok_or(TrainingError::NoInterestPoints)?;
         let fitted: Vec<f32> = signatures.chunks_exact(length).step_by(stride).flatten().copied().collect();
         let (eigenspace, spectrum) = Eigenspace::fit(&fitted, length, options.dimension) // A§4.1
             .map_err(TrainingError::Eigenspace)?;
-        let spectra = samples.iter().flat_map(|sample| sample.spectra.chunks_exact(SPECTRUM_LENGTH));
-        let spectra: Vec<i8> = spectra.step_by(stride).flatten().copied().collect();
-        let phases = PhaseSpace::fit(&spectra).ok_or(TrainingError::NoInterestPoints)?;
-        let windows: usize = samples.iter().map(|sample| sample.windows).sum();
-        let expected = windows * exemplars / samples.len();
+        drop(fitted);
         let points = eigenspace.project(&signatures);
+        drop(signatures);
+        let expected = windows * exemplars / sampled;
         let codebook = Codebook::fit(&points, eigenspace.dimension(), lists_for(expected));
         Ok(WindowSpace {
             options: resolved,
@@ -120,7 +131,7 @@ impl WindowSpace {
 
     /// The space of a database; `None` if it has signatures of intensities.
     pub fn of(model: &Landmarks) -> Option<WindowSpace> {
-        let Windows::Taught(taught) = &model.windows else { return None };
+        let Windows::Encoded(taught) = &model.windows else { return None };
         Some(WindowSpace {
             options: model.options.clone(),
             spectrum: model.eigenspace.eigenvalues.clone(),
@@ -164,7 +175,7 @@ impl WindowSpace {
         Ok(EncodedExemplar {
             exemplar: described.exemplar,
             codes,
-            places: described.windows.iter().flat_map(place).collect(),
+            positions: described.windows.iter().flat_map(place).collect(),
             levels: described.windows.iter().map(|window| window.radius).collect(),
             phases: self.phases.kept(&sample.spectra),
             energy: [all, (all - held).max(0.0)],
@@ -179,7 +190,7 @@ pub fn residual_of(encoded: &[EncodedExemplar]) -> f64 {
     if sum(0) > 0.0 { sum(1) / sum(0) } else { 0.0 }
 }
 
-/// What 1 is worth in the places of an exemplar's windows, given the exemplar's size: 0.01 px where the longer side has 640.
+/// What 1 is worth in the positions of an exemplar's windows, given the exemplar's size: 0.01 px where the longer side has 640.
 pub(in super::super) fn unit_px([width_px, height_px]: [f32; 2]) -> f32 {
     width_px.max(height_px).max(1.0) / f32::from(u16::MAX)
 }
@@ -187,7 +198,6 @@ pub(in super::super) fn unit_px([width_px, height_px]: [f32; 2]) -> f32 {
 /// The first `length` components of all signatures of a sample. The luminance part comes first: a shorter `length` leaves
 /// the colour part out.
 fn rows(sample: &WindowSample, length: usize) -> impl Iterator<Item = &f32> {
-    let windows = sample.spectra.len() / SPECTRUM_LENGTH;
-    let own = sample.signatures.len().checked_div(windows).unwrap_or(1).max(1);
+    let own = sample.signatures.len().checked_div(sample.rows()).unwrap_or(1).max(1);
     sample.signatures.chunks_exact(own).flat_map(move |row| &row[..length])
 }

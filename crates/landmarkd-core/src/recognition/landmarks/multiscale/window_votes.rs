@@ -1,9 +1,9 @@
 //! What the windows of a frame say, each by itself: the votes of local naive Bayes (McCann and Lowe 2012), and matches.
 
+use super::encoded_windows::{EncodedWindow, EncodedWindows};
 use super::matching::Match;
 use super::overlap::Overlap;
 use super::phase_space::PHASE_LENGTH;
-use super::taught::{TaughtWindow, TaughtWindows};
 use super::window_space::unit_px;
 use crate::eigen::Neighbour;
 use crate::recognition::landmarks::description::{Window, WindowBatch};
@@ -19,7 +19,7 @@ const PROMISING: usize = 40;
 pub(super) struct WindowVotes {
     /// W of every exemplar: how much nearer its windows are than the background, squared distances summed.
     pub weights: Vec<f64>,
-    /// How far the exemplars of the greatest W overlap, if they are places.
+    /// How far the exemplars of the greatest W overlap, if they are positions.
     pub overlap: Overlap,
     /// The matches with the exemplars of the greatest W, sorted by exemplar.
     pub matches: Vec<Match>,
@@ -30,7 +30,7 @@ impl WindowVotes {
     /// each stands for the background.
     pub fn of(
         model: &Landmarks,
-        taught: &TaughtWindows,
+        taught: &EncodedWindows,
         batch: &WindowBatch,
         neighbours: &[Neighbour],
     ) -> WindowVotes {
@@ -105,15 +105,15 @@ struct Asked<'a> {
 /// The match of a window with a neighbour, which is nearer than the background by so much of squared distance.
 fn matched(
     model: &Landmarks,
-    taught: &TaughtWindows,
+    taught: &EncodedWindows,
     asked: &Asked<'_>,
-    neighbour: &TaughtWindow<'_>,
+    neighbour: &EncodedWindow<'_>,
     [nearer, beyond]: [f32; 2],
 ) -> Match {
     let describer = &taught.describer;
     let size_px = model.working_size_px(neighbour.exemplar as usize);
     let unit_px = unit_px(size_px);
-    let from = |axis: usize| f32::from(neighbour.place[axis]) * unit_px - (size_px[axis] - 1.0) / 2.0;
+    let from = |axis: usize| f32::from(neighbour.position[axis]) * unit_px - (size_px[axis] - 1.0) / 2.0;
     Match {
         query: asked.query as u32,
         exemplar: neighbour.exemplar,

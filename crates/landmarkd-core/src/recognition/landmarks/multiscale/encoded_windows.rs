@@ -19,7 +19,7 @@ pub struct SegmentParts {
     /// Their eigenpoints.
     pub lists: SegmentColumns,
     /// n × 2: x and y of each window; the longer side of the exemplar at its working size is 65535.
-    pub places: Column<u16>,
+    pub positions: Column<u16>,
     /// n: level of each window.
     pub levels: Column<u8>,
     /// n × 64: each window's phases.
@@ -31,17 +31,17 @@ pub struct SegmentParts {
 }
 
 /// What a match needs of a window.
-pub(super) struct TaughtWindow<'a> {
+pub(super) struct EncodedWindow<'a> {
     /// Index of its exemplar.
     pub exemplar: u32,
     /// In units of the exemplar's size.
-    pub place: [u16; 2],
+    pub position: [u16; 2],
     pub level: u8,
     pub phases: &'a [u8],
 }
 
 /// All windows of a database.
-pub(in super::super) struct TaughtWindows {
+pub(in super::super) struct EncodedWindows {
     pub(super) describer: ScaleSpaceDescriber,
     pub phases: Arc<PhaseSpace>,
     index: InvertedIndex,
@@ -52,7 +52,7 @@ pub(in super::super) struct TaughtWindows {
 struct WindowSegment {
     /// Windows of the segments before.
     first: usize,
-    places: Column<u16>,
+    positions: Column<u16>,
     levels: Column<u8>,
     phases: Column<u8>,
     starts: Column<u32>,
@@ -63,20 +63,20 @@ impl SegmentParts {
     /// The windows of exemplars, one after the other.
     pub(in super::super) fn of(codebook: &Codebook, encoded: Vec<EncodedExemplar>) -> SegmentParts {
         let mut codes = Codes::default();
-        let (mut places, mut levels, mut phases, mut starts) = (vec![], vec![], vec![], vec![0]);
+        let (mut positions, mut levels, mut phases, mut starts) = (vec![], vec![], vec![], vec![0]);
         let count = encoded.len() as u32;
         for mut exemplar in encoded {
             codes.lists.append(&mut exemplar.codes.lists);
             codes.codes.append(&mut exemplar.codes.codes);
             codes.fine.append(&mut exemplar.codes.fine);
-            places.append(&mut exemplar.places);
+            positions.append(&mut exemplar.positions);
             levels.append(&mut exemplar.levels);
             phases.append(&mut exemplar.phases);
             starts.push(levels.len() as u32);
         }
         SegmentParts {
             lists: Segment::new(codebook, &codes).columns(),
-            places: places.into(),
+            positions: positions.into(),
             levels: levels.into(),
             phases: phases.into(),
             starts: starts.into(),
@@ -94,7 +94,7 @@ impl SegmentParts {
             && self.starts.first() == Some(&0)
             && self.starts.is_sorted()
             && self.starts.last().is_some_and(|&end| end as usize == windows)
-            && self.places.len() == 2 * windows
+            && self.positions.len() == 2 * windows
             && self.levels.len() == windows
             && self.phases.len() == KEPT_LENGTH * windows
             && self.exemplars.is_sorted_by(|a, b| a < b)
@@ -110,7 +110,7 @@ impl WindowSegment {
     }
 }
 
-impl TaughtWindows {
+impl EncodedWindows {
     /// The windows of segments that may hold anything; `None` if they are not those of the exemplars, each once.
     pub fn of_parts(
         describer: ScaleSpaceDescriber,
@@ -118,7 +118,7 @@ impl TaughtWindows {
         codebook: Arc<Codebook>,
         parts: Vec<SegmentParts>,
         exemplars: &[Exemplar],
-    ) -> Option<TaughtWindows> {
+    ) -> Option<EncodedWindows> {
         let mut owned: Vec<u32> = parts.iter().flat_map(|part| part.exemplars.iter().copied()).collect();
         owned.sort_unstable();
         if !owned.into_iter().eq(0..exemplars.len() as u32) {
@@ -131,13 +131,13 @@ impl TaughtWindows {
             if !part.is_sound(windows, exemplars) {
                 return None;
             }
-            let SegmentParts { places, levels, phases, starts, exemplars, .. } = part;
-            segments.push(WindowSegment { first, places, levels, phases, starts, exemplars });
+            let SegmentParts { positions, levels, phases, starts, exemplars, .. } = part;
+            segments.push(WindowSegment { first, positions, levels, phases, starts, exemplars });
             of_index.push(segment);
             first += windows;
         }
         let fits = first > 0 && first < u32::MAX as usize;
-        fits.then(|| TaughtWindows {
+        fits.then(|| EncodedWindows {
             describer,
             phases,
             index: InvertedIndex::of_segments(codebook, of_index),
@@ -150,7 +150,7 @@ impl TaughtWindows {
         let both = self.segments.iter().zip(self.index.segments());
         both.map(|(windows, eigenpoints)| SegmentParts {
             lists: eigenpoints.columns(),
-            places: windows.places.clone(),
+            positions: windows.positions.clone(),
             levels: windows.levels.clone(),
             phases: windows.phases.clone(),
             starts: windows.starts.clone(),
@@ -161,7 +161,7 @@ impl TaughtWindows {
 
     /// What is kept of the exemplars of a segment, one by one.
     fn encoded(&self, segment: usize, exemplars: &[Exemplar]) -> Vec<EncodedExemplar> {
-        let WindowSegment { places, levels, phases, starts, exemplars: own, .. } = &self.segments[segment];
+        let WindowSegment { positions, levels, phases, starts, exemplars: own, .. } = &self.segments[segment];
         let dimension = self.index.codebook().dimension();
         let codes = self.index.segments()[segment].codes(dimension);
         let encoded = |(&exemplar, range): (&u32, &[u32])| {
@@ -173,7 +173,7 @@ impl TaughtWindows {
                     codes: codes.codes[of(dimension)].to_vec(),
                     fine: codes.fine[of(fine_length(dimension))].to_vec(),
                 },
-                places: places[of(2)].to_vec(),
+                positions: positions[of(2)].to_vec(),
                 levels: levels[of(1)].to_vec(),
                 phases: phases[of(KEPT_LENGTH)].to_vec(),
                 energy: [0.0; 2],
@@ -238,11 +238,11 @@ impl TaughtWindows {
         segment.exemplar(at) as usize
     }
 
-    pub(super) fn window(&self, window: usize) -> TaughtWindow<'_> {
+    pub(super) fn window(&self, window: usize) -> EncodedWindow<'_> {
         let (segment, at) = self.segment(window);
-        TaughtWindow {
+        EncodedWindow {
             exemplar: segment.exemplar(at),
-            place: [segment.places[2 * at], segment.places[2 * at + 1]],
+            position: [segment.positions[2 * at], segment.positions[2 * at + 1]],
             level: segment.levels[at],
             phases: &segment.phases[at * KEPT_LENGTH..][..KEPT_LENGTH],
         }
@@ -251,7 +251,7 @@ impl TaughtWindows {
     /// Memory that they take, mapped or not, in bytes.
     pub fn bytes(&self) -> usize {
         let own = |segment: &WindowSegment| {
-            segment.places.bytes()
+            segment.positions.bytes()
                 + segment.levels.bytes()
                 + segment.phases.bytes()
                 + segment.starts.bytes()
