@@ -192,8 +192,8 @@ class Client:
             promote: whether the alias `current` moves to the new version.
             calibration: of landmarks, whether the version is asked about its own pictures before it is published,
                 after, or not. With "background" the job fails if the check does, and has its `version` all the same.
-            eigenspace: of landmarks with gradient signatures, whether what is new is added to the version in use: "auto"
-                from 1000 exemplars on, "fit" never, "keep" always.
+            eigenspace: of landmarks with gradient signatures, whether what is new is added to the version in use:
+                "auto" from 1000 exemplars on if none have gone, "fit" never, "keep" as long as it can be.
             wait: until the job has ended; otherwise follow it with `follow`.
             on_progress: called with the job as often as it changes.
 
