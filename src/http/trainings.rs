@@ -31,10 +31,8 @@ pub struct NewTraining {
     /// Of landmarks: whether the version is asked about its own pictures, and whether before it is published (`wait`) or
     /// afterwards (`background`); `wait` unless given. The comparison of `promote: "if_not_worse"` comes before in any case.
     pub calibration: Option<SelfCheck>,
-    /// Of landmarks with signatures of gradients: which eigenspace the exemplars are projected on.
-    #[serde(default)]
-    #[schema(default = "auto")]
-    pub eigenspace: EigenspaceChoice,
+    /// Of landmarks with signatures of gradients: which eigenspace the exemplars are projected on; `auto` unless given.
+    pub eigenspace: Option<EigenspaceChoice>,
 }
 
 /// Train the database's exemplars into a version: answers at once with a job.
@@ -55,13 +53,12 @@ pub async fn post(
         let text = "background is for landmarks with signature gradient, which decide without a calibration: give wait or none";
         return Err(Problem::field("/calibration", text));
     }
-    if new.eigenspace == EigenspaceChoice::Keep && !options.have_gradients() {
+    if new.eigenspace == Some(EigenspaceChoice::Keep) && !options.have_gradients() {
         let text = "keep is for landmarks with signature gradient: give fit, or leave it out";
         return Err(Problem::field("/eigenspace", text));
     }
-    let NewTraining { promote, eigenspace, .. } = new;
-    let calibration = new.calibration.unwrap_or_default();
-    let params = TrainingParams { options, promote, calibration, eigenspace };
+    let (calibration, eigenspace) = (new.calibration.unwrap_or_default(), new.eigenspace.unwrap_or_default());
+    let params = TrainingParams { options, promote: new.promote, calibration, eigenspace };
     let job = service.jobs.train(&path.database, &params, &caller.actor()).await?;
     Ok(queued(job))
 }

@@ -180,7 +180,7 @@ class Client:
         options: Mapping[str, Any] | None = None,
         promote: Literal["always", "if_not_worse", "never"] = "always",
         calibration: Literal["wait", "background", "none"] | None = None,
-        eigenspace: Literal["auto", "fit", "keep"] = "auto",
+        eigenspace: Literal["auto", "fit", "keep"] | None = None,
         wait: bool = True,
         on_progress: Callable[[Job], None] | None = None,
     ) -> Job:
@@ -202,7 +202,10 @@ class Client:
 
         """
         body = NewTraining(
-            options=Options.of(options), promote=promote, calibration=wanted(calibration), eigenspace=eigenspace
+            options=Options.of(options),
+            promote=promote,
+            calibration=wanted(calibration),
+            eigenspace=wanted(eigenspace),
         )
         begun = self._typed(JobBody, lambda: begin_training.sync(database, client=self.generated, body=body))
         return self.follow(str(begun.id), on_progress) if wait else Job.of(begun)
