@@ -9,8 +9,8 @@ use crate::statistics::median;
 
 /// Exemplars that are asked at most, evenly chosen from all.
 const MOST_ASKED: usize = 100;
-/// Two pictures are the same if half of the windows that agree are so near to each other: of different photographs of the same
-/// place most are 0.25 apart and more.
+/// Two pictures are the same if half of the windows that agree are so near to each other: of windows of photographs three
+/// of four are 0.26 and more from the nearest of any other photograph.
 const SAME: f64 = 0.15;
 /// And if so many agree.
 const LEAST_SAME: usize = 100;
