@@ -22,6 +22,16 @@ pub enum LogFormat {
     Json,
 }
 
+/// Where the windows of a version are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resident {
+    /// All in memory.
+    Memory,
+    /// In the artifact, and in memory those that frames needed lately: a descriptor of 256 bytes chooses exemplars.
+    Cache,
+}
+
 /// What a process of a fleet does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -79,6 +89,15 @@ pub struct GivenSettings {
     /// Memory for loaded versions that no alias names, least recently used out first [default: 1024]
     #[arg(long, env = "LANDMARKD_MEMORY_LIMIT_MB", value_name = "N")]
     pub memory_limit_mb: Option<u64>,
+    /// Where the windows of landmark versions are that are answered from [default: by --resident-limit-mb]
+    #[arg(long, env = "LANDMARKD_RESIDENT", value_name = "WHERE")]
+    pub resident: Option<Resident>,
+    /// Largest version whose windows are held in memory, where --resident doesn't say [default: 4096]
+    #[arg(long, env = "LANDMARKD_RESIDENT_LIMIT_MB", value_name = "N")]
+    pub resident_limit_mb: Option<u64>,
+    /// Memory for exemplars of versions whose windows are not held, least recently used out first [default: 1024]
+    #[arg(long, env = "LANDMARKD_EXEMPLAR_CACHE_MB", value_name = "N")]
+    pub exemplar_cache_mb: Option<u64>,
     /// Listen on an address other than loopback although there is no key and nobody is asked for one
     #[arg(long, env = "LANDMARKD_INSECURE", num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
     pub insecure: Option<bool>,
@@ -152,6 +171,9 @@ impl GivenSettings {
             serve: self.serve.or(other.serve),
             threads: self.threads.or(other.threads),
             memory_limit_mb: self.memory_limit_mb.or(other.memory_limit_mb),
+            resident: self.resident.or(other.resident),
+            resident_limit_mb: self.resident_limit_mb.or(other.resident_limit_mb),
+            exemplar_cache_mb: self.exemplar_cache_mb.or(other.exemplar_cache_mb),
             insecure: self.insecure.or(other.insecure),
             log_format: self.log_format.or(other.log_format),
             max_body_mb: self.max_body_mb.or(other.max_body_mb),
@@ -416,6 +438,10 @@ pub struct Settings {
     pub threads: usize,
     /// Bytes that loaded versions without an alias may take.
     pub memory_limit_bytes: u64,
+    /// Bytes of the largest version whose windows are held in memory.
+    pub resident_limit_bytes: u64,
+    /// Bytes that exemplars of larger versions may take.
+    pub exemplar_cache_bytes: u64,
     /// Whether a service without keys may listen on an address other than loopback.
     pub insecure: bool,
     /// None: HTTP without TLS.
@@ -517,6 +543,13 @@ impl Settings {
             holds: given.holds(role)?,
             threads: ranged("threads", given.threads, cores, 1, 1024)? as usize,
             memory_limit_bytes: ranged("memory_limit_mb", given.memory_limit_mb, 1024, 0, 1 << 20)? << 20,
+            resident_limit_bytes: match given.resident {
+                Some(Resident::Memory) => u64::MAX,
+                Some(Resident::Cache) => 0,
+                None => ranged("resident_limit_mb", given.resident_limit_mb, 4096, 0, 1 << 24)? << 20,
+            },
+            exemplar_cache_bytes: ranged("exemplar_cache_mb", given.exemplar_cache_mb, 1024, 1, 1 << 24)?
+                << 20,
             insecure: given.insecure.unwrap_or(false),
             tls,
             log_format: given.log_format.unwrap_or(LogFormat::Text),

@@ -19,7 +19,7 @@ use crate::access::Keyring;
 use crate::compute::{Compute, ComputeError};
 use crate::config::{Limits, Role, Settings, Shared};
 use crate::connections;
-use crate::database::Databases;
+use crate::database::{Databases, ExemplarCache, Residency};
 use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::jobs::{Jobs, Runner};
@@ -145,13 +145,17 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
     let changes = catalogue.change_notifications();
     let keyring = Keyring::open(Arc::clone(&catalogue), settings.is_open_without_keys()).await?;
     let (memory_limit, holds) = (settings.memory_limit_bytes, settings.holds.clone());
+    let residency = Residency {
+        largest_bytes: settings.resident_limit_bytes,
+        cache: Arc::new(ExemplarCache::new(settings.exemplar_cache_bytes)),
+    };
     let kept = settings.data_dir.join("descriptions");
     let descriptions = Descriptions::open(&kept, settings.description_limit_bytes).await;
     let rows = Arc::clone(&catalogue);
     let service = Service {
         keyring,
         insecure: settings.insecure,
-        databases: Databases::new(rows, blobs, descriptions, compute.clone(), memory_limit, holds),
+        databases: Databases::new(rows, blobs, descriptions, compute.clone(), memory_limit, holds, residency),
         jobs: Jobs::new(catalogue),
         compute,
         metrics: Arc::new(Metrics::new()),

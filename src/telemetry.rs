@@ -62,6 +62,10 @@ pub struct Metrics {
     pub versions_loaded: IntGauge,
     /// Bytes that they hold.
     pub versions_loaded_bytes: IntGauge,
+    /// Of exemplars of versions whose windows are not held.
+    pub exemplar_cache_bytes: IntGauge,
+    /// By where they were: `cache` or `store`.
+    pub exemplars_read: IntGaugeVec,
     /// Live tracks.
     pub tracks: IntGauge,
     /// Bytes that they hold.
@@ -94,6 +98,7 @@ impl Work {
                 "decode",
                 "attention",
                 "signature",
+                "fetch",
                 "search",
                 "vote",
                 "appearance",
@@ -160,6 +165,15 @@ impl Metrics {
             ),
             versions_loaded: gauge("landmarkd_versions_loaded", "Database versions held in memory"),
             versions_loaded_bytes: gauge("landmarkd_versions_loaded_bytes", "Memory of the loaded versions"),
+            exemplar_cache_bytes: gauge(
+                "landmarkd_exemplar_cache_bytes",
+                "Memory of exemplars of versions whose windows are not held",
+            ),
+            exemplars_read: gauges(
+                "landmarkd_exemplars_read",
+                "Exemplars that frames needed of such versions since the start, by where they were",
+                "from",
+            ),
             tracks: gauge("landmarkd_tracks", "Live tracks"),
             tracks_bytes: gauge("landmarkd_tracks_bytes", "Memory of the live tracks"),
             jobs: gauges("landmarkd_jobs", "Jobs in the catalogue, by state", "state"),

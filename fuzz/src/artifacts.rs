@@ -35,10 +35,10 @@ pub fn with_checksum(file: &[u8]) -> Option<Vec<u8>> {
 
 /// Read a file; one that is taken must be whole: it recognises, and it writes itself.
 pub fn read(file: &[u8]) {
-    let Ok(read) = artifact::read(&Bytes::copy_from_slice(file)) else { return };
+    let Ok(read) = artifact::read(Bytes::copy_from_slice(file)) else { return };
     let written = Bytes::from(artifact::write(&read));
     let again =
-        artifact::read(&written).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
+        artifact::read(written.clone()).unwrap_or_else(|error| panic!("what was written isn't read: {error}"));
     assert!(artifact::write(&again) == written, "the same version gives the same bytes");
     use_it(&read);
 }

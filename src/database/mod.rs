@@ -13,6 +13,7 @@ pub(crate) mod description;
 mod error;
 mod exemplar;
 mod fleet;
+pub mod kept_exemplars;
 mod model;
 mod name;
 pub mod options;
@@ -30,10 +31,11 @@ pub use calibrations::{DepthMethodWord, PictureBlob, Rig, UnreadableCalibration}
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
 pub use fleet::Process;
+pub use kept_exemplars::ExemplarCache;
 pub use model::{ALGORITHM_REVISION, Counts, Model};
 pub use name::{MAX_NAME_CHARACTERS, Name, NotAName};
 pub use options::{Kind, Options, OptionsDocument};
-pub use registry::{LoadedVersion, Registry};
+pub use registry::{LoadedVersion, Registry, Residency};
 pub(crate) use report::{
     DescriptionsReport, GrownReport, LandmarkReport, ObjectsReport, ReliabilityReport, Report,
     TrainingTimings, VerdictReport,
@@ -72,9 +74,11 @@ impl Databases {
         compute: Compute,
         memory_limit_bytes: u64,
         holds: Option<glob::Pattern>,
+        residency: Residency,
     ) -> Self {
         let (rows, artifacts) = (Arc::clone(&catalogue), blobs.clone());
-        let registry = Arc::new(Registry::new(rows, artifacts, compute, memory_limit_bytes, holds));
+        let registry =
+            Arc::new(Registry::new(rows, artifacts, compute, memory_limit_bytes, holds, residency));
         Self { catalogue, blobs, descriptions, registry }
     }
 

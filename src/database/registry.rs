@@ -6,16 +6,20 @@
 //! Versions asked for by number load on demand into a cache bounded in bytes, least recently used out first.
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwap;
+use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 
-use super::artifact;
-use super::{CURRENT, DatabaseError, Databases, Model, Name};
+use super::artifact::outline::{self, ExemplarPlace, OutlineHeader};
+use super::artifact::{self, Artifact};
+use super::kept_exemplars::{ExemplarCache, KeptExemplars, ReadExemplars};
+use super::{CURRENT, DatabaseError, Databases, Model, Name, VersionRow};
 use crate::compute::{Compute, Lane};
-use crate::store::{AliasTarget, BlobError, Blobs, Catalogue, InvalidBlobName};
+use crate::store::{AliasTarget, BlobError, BlobName, Blobs, Catalogue, InvalidBlobName};
 use crate::telemetry::chain;
 
 /// A version in memory.
@@ -28,8 +32,38 @@ pub struct LoadedVersion {
     pub digest: String,
     /// What it recognises with.
     pub model: Model,
+    /// Where the windows of its exemplars are; `None`: in the model.
+    pub kept: Option<KeptExemplars>,
     /// Memory that the model holds, in bytes.
     pub bytes: u64,
+}
+
+impl LoadedVersion {
+    /// What a frame needs of exemplars whose windows are not in the model; empty if they are.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Unloadable`] when the artifact is damaged or gone, or the error of a store that is unavailable.
+    pub async fn read_exemplars(&self, indices: &[usize]) -> Result<ReadExemplars, DatabaseError> {
+        let Some(kept) = &self.kept else { return Ok(ReadExemplars::default()) };
+        kept.read(indices).await.map_err(|source| match source.is_damage() {
+            true => DatabaseError::Unloadable {
+                database: self.database.clone(),
+                version: self.version,
+                reason: format!("{}; train again, or restore a backup", chain(&source)),
+            },
+            false => source.into(),
+        })
+    }
+}
+
+/// Where the windows of versions are that are served.
+#[derive(Debug, Clone)]
+pub struct Residency {
+    /// Bytes of the largest artifact whose windows are held in memory. Of others they are read when a frame needs them:
+    /// exemplars are chosen by a descriptor each, then the frame is recognised among them.
+    pub largest_bytes: u64,
+    /// What was read of those lately.
+    pub cache: Arc<ExemplarCache>,
 }
 
 /// An alias that doesn't serve what the catalogue says it should.
@@ -83,6 +117,7 @@ pub struct Registry {
     compute: Compute,
     /// Databases whose aliased versions are held; none at all in a process that only trains.
     holds: Option<glob::Pattern>,
+    residency: Residency,
     snapshot: ArcSwap<Snapshot>,
     refreshing: tokio::sync::Mutex<()>,
     /// By database and version.
@@ -108,6 +143,7 @@ impl Registry {
         compute: Compute,
         memory_limit_bytes: u64,
         holds: Option<glob::Pattern>,
+        residency: Residency,
     ) -> Self {
         let loading_budget_mib = mib(memory_limit_bytes);
         Self {
@@ -115,6 +151,7 @@ impl Registry {
             blobs,
             compute,
             holds,
+            residency,
             snapshot: ArcSwap::default(),
             refreshing: tokio::sync::Mutex::default(),
             load_locks: Mutex::default(),
@@ -214,8 +251,10 @@ impl Registry {
         }
         let loaded = match outage {
             Some(reason) => Err(reason.clone()),
-            None => self.load(&target.database, target.version, &target.digest, &target.blob).await.map_err(
-                |error| {
+            None => self
+                .load_to_serve(&target.database, target.version, &target.digest, &target.blob)
+                .await
+                .map_err(|error| {
                     let reason = chain(&error);
                     let (database, alias, version) = (&target.database, &target.alias, target.version);
                     tracing::error!(database, alias, version, reason, "a version can't be loaded");
@@ -223,8 +262,7 @@ impl Registry {
                         *outage = Some(reason.clone());
                     }
                     reason
-                },
-            ),
+                }),
         };
         match loaded {
             Ok(version) => Served { version: Some(version), failure: None },
@@ -240,7 +278,73 @@ impl Registry {
         }
     }
 
-    /// Read, verify and index one version, whether or not it is in memory.
+    /// Reads a version to answer from: whole, or without its windows, as the residency says.
+    ///
+    /// # Errors
+    /// As [`Registry::load`].
+    async fn load_to_serve(
+        &self,
+        database: &str,
+        version: i64,
+        digest: &str,
+        blob: &str,
+    ) -> Result<Arc<LoadedVersion>, DatabaseError> {
+        let unloadable =
+            |reason: String| DatabaseError::Unloadable { database: database.into(), version, reason };
+        let name: BlobName = blob.parse().map_err(|error: InvalidBlobName| unloadable(chain(&error)))?;
+        // of one that can't be asked for there may be a copy
+        let is_larger = self.blobs.size(&name).await.is_ok_and(|bytes| bytes > self.residency.largest_bytes);
+        let outline = if is_larger { self.outline(&name).await } else { Ok(None) };
+        let (artifact, places) = match outline {
+            Ok(Some(outline)) => outline,
+            Ok(None) => return self.load(database, version, digest, blob).await,
+            Err(DatabaseError::InvalidArtifact { source }) => return Err(unloadable(chain(&source))),
+            Err(DatabaseError::Blobs { source }) if source.is_damage() => {
+                return Err(unloadable(format!("{}; {}", chain(&source), self.remedy(database).await)));
+            }
+            Err(error) => return Err(error),
+        };
+        let Artifact { digest: found, model, .. } = artifact;
+        if found != digest {
+            return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
+        }
+        let kept = KeptExemplars::new(self.blobs.clone(), name, places, Arc::clone(&self.residency.cache));
+        let bytes = model.bytes() + kept.bytes();
+        let (database, kept) = (database.into(), Some(kept));
+        Ok(Arc::new(LoadedVersion { database, version, digest: found, model, kept, bytes }))
+    }
+
+    /// Reads an artifact without its windows; `None` if it has none that can be read by themselves.
+    async fn outline(
+        &self,
+        name: &BlobName,
+    ) -> Result<Option<(Artifact, Vec<ExemplarPlace>)>, DatabaseError> {
+        let invalid = |source| DatabaseError::InvalidArtifact { source };
+        let file_bytes = self.blobs.size(name).await?;
+        let prefix = self.one_range(name, 0..outline::PREFIX_LENGTH.min(file_bytes)).await?;
+        let length = outline::header_length(&prefix).map_err(invalid)?.min(file_bytes);
+        let header =
+            OutlineHeader::of(self.one_range(name, 0..length).await?, file_bytes).map_err(invalid)?;
+        let Some(header) = header else { return Ok(None) };
+        let [before, after] = header.around.clone();
+        let around = [self.one_range(name, before).await?, self.one_range(name, after).await?];
+        let (read, _) = self.compute.run(Lane::Maintenance, 0, move || header.read(around)).await?;
+        Ok(Some(read.map_err(invalid)?))
+    }
+
+    async fn one_range(&self, name: &BlobName, range: Range<u64>) -> Result<Bytes, BlobError> {
+        if range.is_empty() {
+            return Ok(Bytes::new());
+        }
+        Ok(self.blobs.ranges(name, &[range]).await?.into_iter().next().unwrap_or_default())
+    }
+
+    /// The exemplars that are held of versions whose windows are elsewhere.
+    pub fn exemplar_cache(&self) -> &ExemplarCache {
+        &self.residency.cache
+    }
+
+    /// Read, verify and index one version whole, whether or not it is in memory.
     ///
     /// # Errors
     /// [`DatabaseError::Unloadable`], or the error of a store that is unavailable.
@@ -261,7 +365,7 @@ impl Registry {
             other => other?,
         };
         let read = self.compute.run(Lane::Maintenance, 0, move || {
-            let artifact = artifact::read(&bytes)?;
+            let artifact = artifact::read(bytes)?;
             Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))
         });
         let (found, model) = read.await?.0.map_err(|error| unloadable(chain(&error)))?;
@@ -269,7 +373,8 @@ impl Registry {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
         let bytes = model.bytes();
-        Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, bytes }))
+        let kept = None;
+        Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, kept, bytes }))
     }
 
     /// What to do about a version whose artifact is lost, for people.
@@ -365,12 +470,24 @@ impl Databases {
         // A load that hangs delays no other as long as the budget lasts; a version larger than the budget is loaded alone.
         let budget_mib = mib(row.bytes).min(registry.loading_budget_mib);
         let _permits = registry.loading_budget.acquire_many(budget_mib).await;
-        let loaded = registry.load(database.as_str(), version, &row.digest, &row.blob).await?;
+        let loaded = registry.load_to_serve(database.as_str(), version, &row.digest, &row.blob).await?;
         // Deleted while it was loading, it must not come back.
         if self.version(database, version).await?.digest == row.digest {
             registry.cache_version(&loaded);
         }
         Ok(loaded)
+    }
+
+    /// A version with all of its windows, in memory already or loaded for this caller.
+    ///
+    /// # Errors
+    /// As [`Databases::version_model`].
+    pub(crate) async fn whole_version(&self, row: &VersionRow) -> Result<Arc<LoadedVersion>, DatabaseError> {
+        let registry = self.registry();
+        match registry.by_number(&row.database, row.version) {
+            Some(loaded) if loaded.kept.is_none() => Ok(loaded),
+            _ => registry.load(&row.database, row.version, &row.digest, &row.blob).await,
+        }
     }
 
     /// The version that answers for an alias, by default `current`.

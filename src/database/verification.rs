@@ -72,7 +72,7 @@ impl Verification {
                 let what = || format!("version {} of database {database}", row.version);
                 match blobs.get(&row.blob.parse()?, row.bytes).await {
                     Err(error) => self.note(Err(error), what)?,
-                    Ok(bytes) => match artifact::read(&bytes) {
+                    Ok(bytes) => match artifact::read(bytes) {
                         Err(error) => self.faults.push(format!("{}: {}", what(), chain(&error))),
                         Ok(artifact) if artifact.digest != row.digest => {
                             self.faults.push(format!("{}: its artifact is that of another version", what()));

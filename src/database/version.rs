@@ -110,7 +110,7 @@ impl Databases {
     ) -> Result<(VersionRow, bool), DatabaseError> {
         let row = self.get(database).await?;
         let held = bytes.clone();
-        let (read, _) = compute.run(Lane::Maintenance, 0, move || artifact::read(&held)).await?;
+        let (read, _) = compute.run(Lane::Maintenance, 0, move || artifact::read(held)).await?;
         let artifact = read.map_err(|source| DatabaseError::InvalidArtifact { source })?;
         if row.kind != artifact.kind().as_str() {
             return Err(DatabaseError::KindConflict { database: database.to_string(), kind: row.kind });

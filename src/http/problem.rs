@@ -344,7 +344,9 @@ impl From<BlobError> for Problem {
         }
         tracing::warn!(error = chain(&error), "the blob store is away");
         let text = operator_advice(&error);
-        let text = format!("the blob store can't be used: {text}; recognition goes on, try this again soon");
+        let text = format!(
+            "the blob store can't be used: {text}; recognition goes on with what is in memory, try this again soon"
+        );
         Self::new(Code::BlobsUnavailable, text)
     }
 }

@@ -27,6 +27,11 @@ impl BlobName {
         Self(*hasher.finalize().as_bytes())
     }
 
+    /// The name that is this hash.
+    pub const fn of_hash(hash: [u8; 32]) -> Self {
+        Self(hash)
+    }
+
     /// The hash itself.
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0

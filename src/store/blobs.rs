@@ -5,13 +5,14 @@
 //! A path is only ever made from such a name, never from anything a client sent.
 
 use std::io;
+use std::ops::Range;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
 
 use bytes::Bytes;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
-use object_store::{GetResult, ObjectStore, ObjectStoreExt};
+use object_store::{GetResult, ObjectMeta, ObjectStore, ObjectStoreExt};
 use tokio::sync::RwLock;
 use uuid::Uuid;
 
@@ -182,6 +183,65 @@ impl Blobs {
         Err(BlobError::Corrupt { name: *name, found })
     }
 
+    /// The size of a blob.
+    ///
+    /// # Errors
+    /// `NotFound`, `Quarantined`, `Unavailable`.
+    pub async fn size(&self, name: &BlobName) -> Result<u64, BlobError> {
+        Ok(self.locate(name).await?.size)
+    }
+
+    /// Reads ranges of a blob. What is read is not proved.
+    ///
+    /// # Errors
+    /// `NotFound`, `Quarantined`, `Unavailable`.
+    pub async fn ranges(&self, name: &BlobName, ranges: &[Range<u64>]) -> Result<Vec<Bytes>, BlobError> {
+        match self.store.get_ranges(&name.path(), ranges).await {
+            Err(object_store::Error::NotFound { .. }) => {
+                let path = self.locate(name).await?.location;
+                Ok(self.store.get_ranges(&path, ranges).await?)
+            }
+            other => Ok(other?),
+        }
+    }
+
+    /// Reads parts of a blob that have names of their own, and proves them by those.
+    ///
+    /// Those that were read from a bucket before may come from this machine's cache, without a request.
+    ///
+    /// # Errors
+    /// `NotFound`, `Corrupt`, `Quarantined`, `Unavailable`.
+    pub async fn parts(
+        &self,
+        blob: &BlobName,
+        parts: &[(BlobName, Range<u64>)],
+    ) -> Result<Vec<Bytes>, BlobError> {
+        let mut found = vec![None; parts.len()];
+        if let Place::Bucket { cache } = &*self.place {
+            for (found, (name, _)) in found.iter_mut().zip(parts) {
+                *found = cache.get(*name).await;
+            }
+        }
+        let missing: Vec<usize> = (0..parts.len()).filter(|&at| found[at].is_none()).collect();
+        let ranges: Vec<Range<u64>> = missing.iter().map(|&at| parts[at].1.clone()).collect();
+        let read = match ranges.is_empty() {
+            true => Vec::new(),
+            false => self.ranges(blob, &ranges).await?,
+        };
+        for (at, content) in missing.into_iter().zip(read) {
+            let name = parts[at].0;
+            let proved = hash(content.clone()).await?;
+            if proved != name {
+                return Err(BlobError::Corrupt { name: *blob, found: proved });
+            }
+            if let Place::Bucket { cache } = &*self.place {
+                cache.keep(name, content.clone()).await;
+            }
+            found[at] = Some(content);
+        }
+        Ok(found.into_iter().flatten().collect())
+    }
+
     /// Moves a corrupt blob into the quarantine, for an operator to inspect. In a bucket it stays: there another process
     /// can't be kept from putting it again at the same moment.
     async fn quarantine(&self, name: &BlobName) {
@@ -220,12 +280,28 @@ impl Blobs {
                 other => return Ok(other?),
             }
         }
-        // Nothing is there when the whole store is away.
-        self.ping().await?;
-        if self.is_quarantined(name) {
-            return Err(BlobError::Quarantined { name: *name });
+        Err(self.missing(name).await)
+    }
+
+    /// Where a blob stands, and its size.
+    async fn locate(&self, name: &BlobName) -> Result<ObjectMeta, BlobError> {
+        for path in [name.path(), name.path_aside()] {
+            match self.store.head(&path).await {
+                Err(object_store::Error::NotFound { .. }) => {}
+                other => return Ok(other?),
+            }
         }
-        Err(BlobError::NotFound { name: *name })
+        Err(self.missing(name).await)
+    }
+
+    /// Why a blob stands nowhere.
+    async fn missing(&self, name: &BlobName) -> BlobError {
+        // Nothing is there when the whole store is away.
+        match self.ping().await {
+            Err(error) => error,
+            Ok(()) if self.is_quarantined(name) => BlobError::Quarantined { name: *name },
+            Ok(()) => BlobError::NotFound { name: *name },
+        }
     }
 }
 

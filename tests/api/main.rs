@@ -29,6 +29,7 @@ mod negatives;
 mod objects;
 mod placements;
 mod problems;
+mod resident;
 mod restarts;
 mod segmentations;
 mod self_check;

@@ -68,15 +68,15 @@ async fn an_artifact_with_any_byte_changed_or_cut_off_is_refused_with_what_is_wr
     let folder = tempfile::tempdir().unwrap();
     let (_process, client, whole) = trained(folder.path()).await;
     let started = Instant::now();
-    artifact::read(&whole).unwrap();
+    artifact::read(whole.clone()).unwrap();
     for at in 0..whole.len() {
         for damaged in [flipped(&whole, at), whole[..at].to_vec()] {
-            let Err(refused) = artifact::read(&damaged.into()) else { panic!("byte {at} may be anything") };
+            let Err(refused) = artifact::read(damaged.into()) else { panic!("byte {at} may be anything") };
             assert!(!chain(&refused).is_empty());
         }
         let mut bit = whole.to_vec();
         bit[at] ^= 1 << (at % 8);
-        assert!(artifact::read(&bit.into()).is_err(), "a bit of byte {at} may be anything");
+        assert!(artifact::read(bit.into()).is_err(), "a bit of byte {at} may be anything");
     }
     println!(
         "{} bytes: flipped, a bit flipped, cut off: all refused in {:?}",

@@ -146,6 +146,55 @@ async fn recognition_goes_on_while_the_bucket_is_away_and_writes_heal_after_it()
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "needs PostgreSQL and moto_server; run by .ci/run"]
+async fn of_versions_in_the_bucket_what_was_read_is_answered_while_it_is_away_and_the_rest_heals() {
+    let fleet = Fleet::new();
+    let teacher = fleet.process(&[]);
+    let (status, body) = teacher.client.put("/v1/databases/hall", &json!({"kind": "landmarks"})).await;
+    assert_eq!(status, 201, "{body}");
+    for number in 0..4 {
+        teacher.client.teach_scene("hall", number).await;
+    }
+    let version = teacher.client.trained("hall").await;
+    let keeps = fleet.process(&["--role", "serve", "--resident", "cache"]);
+    // neither memory nor disk for what it read
+    let nothing = ["--exemplar-cache-mb", "1", "--cache-limit-mb", "0"];
+    let forgets = fleet.process(&[["--role", "serve", "--resident", "cache"], nothing].concat());
+    for member in [&keeps, &forgets] {
+        member.client.serves("hall", version).await;
+        for number in 0..4 {
+            let (status, answer) = member.client.recognise("hall", number).await;
+            assert_eq!((status, &answer["decision"]["label"]), (200, &json!(format!("place{number}"))));
+        }
+    }
+    let transactions = fleet.transactions();
+    let load = Load::start(&keeps.client);
+    fleet.bucket.goes_away();
+    let (mut refused, begun) = (0, Instant::now());
+    while begun.elapsed() < AWAY / 3 {
+        let picture = png(&scene(refused % 4));
+        let answer = forgets.client.send_picture("/v1/databases/hall/recognitions", picture).await;
+        assert_eq!(answer.status(), 503);
+        assert!(answer.headers().contains_key("retry-after"));
+        refused += 1;
+    }
+    fleet.bucket.comes_back();
+    let back = Instant::now();
+    while forgets.client.recognise("hall", 1).await.0 != 200 {
+        assert!(back.elapsed() < HEALING_PATIENCE);
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    let healed = back.elapsed().as_secs_f64();
+    let (answered, longest) = load.stop().await;
+    println!(
+        "bucket away for 10 s: {answered} recognitions with what was read, none failed, longest {:.0} ms; without, {refused} \
+         refused; healed after {healed:.2} s; {:.0} transactions of PostgreSQL meanwhile",
+        longest.as_secs_f64() * 1e3,
+        fleet.transactions() - transactions,
+    );
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "needs PostgreSQL and moto_server; run by .ci/run"]
 async fn a_process_started_while_postgresql_is_away_waits_for_it() {
     let fleet = Fleet::new();
     drop(fleet.process(&[]));

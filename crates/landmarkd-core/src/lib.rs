@@ -2,11 +2,10 @@
 //!
 //! Values in, values out: no async, no I/O, no clock, no log. [`imaging`] turns bytes into a [`imaging::Frame`]; [`vision`]
 //! describes it; [`eigen`] is the linear algebra; [`recognition`] names places and objects; [`depth`] measures distances
-//! from a focal pair; [`workcell`] maps what was found to the robot. [`angle`], [`column`], [`random`] and [`statistics`] are small
+//! from a focal pair; [`workcell`] maps what was found to the robot. [`angle`], [`random`] and [`statistics`] are small
 //! and shared by several of them. `ARCHITECTURE.md` of the service walks through them.
 
 pub mod angle;
-pub mod column;
 pub mod depth;
 pub mod eigen;
 pub mod imaging;

@@ -3,12 +3,13 @@
 //! along x and y), exemplar by exemplar. Exemplars stand in the header.
 //!
 //! Signatures of gradients have windows in lists (`recognition/landmarks/multiscale`): `centroids` [lists, dimension],
-//! `steps` [dimension], `phase_basis` [56, 2, 36], and of each segment, from 0 on, `segment.0.starts` [lists + 1] (in blocks),
-//! `segment.0.codes` [blocks, pairs of coordinates, 16, 2], `segment.0.squares` and `segment.0.indices` [blocks, 16],
-//! `segment.0.fine` [blocks, 16, pairs], `segment.0.positions` [points, 2], `segment.0.levels` [points], `segment.0.phases`
-//! [points, 64], `segment.0.exemplars` (indices into the header's) and `segment.0.windows` (from which point on each
-//! exemplar's are, and their number). The eigenpoint of a place of a list is the list's centroid plus `steps` times (code +
-//! (fine + ½)/16); a byte of `fine` has the even coordinate in its low half, the odd one in its high half, both signed.
+//! `steps` [dimension], `phase_basis` [56, 2, 36], `vlad_centroids` [64 at most, dimension], `descriptors` [exemplars, 256],
+//! `names` [exemplars, 32] and `exemplars` [bytes], from which parts can be read: exemplar by exemplar first a row a window,
+//! then four f32 a contour point as `contours` has them, without which the file is then; its name is the BLAKE3 hash of those
+//! bytes. A row is the list (u32), `dimension` codes (i8), half as many bytes of what those leave, x and y (u16; the longer side
+//! of the exemplar at its working size is 65535), the level (u8), 64 bytes of phases, all little-endian. The eigenpoint of a
+//! window is its list's centroid plus `steps` times (code + (left + ½)/16); a byte of what is left has the even coordinate in
+//! its low half, the odd one in its high half, both signed.
 //!
 //! Signatures of intensities have `eigenpoints` [points, dimension], `points` [points, 3] (x, y in pixels, salience), `radius`
 //! [points] (which of the options' radii), `owner` [points] (index into the exemplars), `spectra` [points, rings, 24]. So had
@@ -19,12 +20,13 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
+use super::outline::{ExemplarPlace, NO_OUTLINE};
 use super::{ArtifactError, File, Tensor, le_bytes};
 use crate::database::{Counts, LandmarkReport, Name};
-use landmarkd_core::eigen::inverted_index::{BLOCK, SegmentColumns};
+use crate::store::BlobName;
 use landmarkd_core::recognition::landmarks::{
     Confidence, EdgePoint, EncodedParts, Exemplar, LandmarkOptions, LandmarkParts, Landmarks, PlainParts,
-    SegmentParts, WindowParts,
+    WindowParts,
 };
 
 /// The members of the header that only a landmark database has.
@@ -34,6 +36,10 @@ pub(super) struct LandmarkHeader {
     exemplars: Vec<ExemplarDocument>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     confidence: Option<ConfidenceDocument>,
+    /// With signatures of gradients the hash of the file without the tensor `exemplars`, its digits and those of the
+    /// checksum as they are before they are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) outline: Option<String>,
     pub(super) report: LandmarkReport,
 }
 
@@ -66,6 +72,7 @@ pub(super) fn header_and_tensors<'a>(
         total_variance: parts.total_variance,
         exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
         confidence: parts.confidence.as_ref().map(ConfidenceDocument::from),
+        outline: matches!(parts.windows, WindowParts::Encoded(_)).then(|| NO_OUTLINE.into()),
         report: report.clone(),
     };
     let (dimension, signature) = (parts.eigenvalues.len(), parts.mean.len());
@@ -76,7 +83,10 @@ pub(super) fn header_and_tensors<'a>(
     ];
     match &parts.windows {
         WindowParts::Plain(plain) => tensors.extend(plain_tensors(plain, dimension, parts.options.rings)),
-        WindowParts::Encoded(taught) => tensors.extend(taught_tensors(taught, dimension)),
+        WindowParts::Encoded(encoded) => {
+            tensors.extend(encoded_tensors(encoded, &parts.exemplars, dimension));
+            return (header, tensors);
+        }
     }
     let edges: Vec<f32> = parts.exemplars.iter().flat_map(|e| &e.edges).flat_map(edge_row).collect();
     if !edges.is_empty() {
@@ -101,43 +111,41 @@ fn plain_tensors(plain: &PlainParts, dimension: usize, rings: usize) -> Vec<Tens
     tensors
 }
 
-fn taught_tensors(taught: &EncodedParts, dimension: usize) -> Vec<Tensor<'_>> {
-    let EncodedParts { centroids, steps, phase_basis, segments } = taught;
-    let lists = centroids.len() / dimension;
-    let mut tensors = vec![
-        Tensor::of_f32("centroids", vec![lists, dimension], centroids),
+/// # Panics
+/// If the windows are elsewhere.
+fn encoded_tensors<'a>(
+    encoded: &'a EncodedParts,
+    exemplars: &[Exemplar],
+    dimension: usize,
+) -> Vec<Tensor<'a>> {
+    let EncodedParts { centroids, steps, phase_basis, vlad_centroids, descriptors, rows } = encoded;
+    let mut rows = rows.as_deref().expect("the windows of an artifact are beside it");
+    let row_length = rows.len() / exemplars.iter().map(|e| e.windows).sum::<usize>().max(1);
+    let (mut names, mut bytes) = (Vec::new(), Vec::with_capacity(rows.len()));
+    for exemplar in exemplars {
+        let start = bytes.len();
+        let (own, others) = rows.split_at(exemplar.windows * row_length);
+        bytes.extend(own);
+        bytes.extend(exemplar.edges.iter().flat_map(edge_row).flat_map(f32::to_le_bytes));
+        names.extend(BlobName::of(&bytes[start..]).as_bytes());
+        rows = others;
+    }
+    let bytes_of = |name: &'static str, shape: Vec<usize>, bytes: Vec<u8>| {
+        Tensor::new(name, Dtype::U8, shape, bytes.into())
+    };
+    vec![
+        Tensor::of_f32("centroids", vec![centroids.len() / dimension, dimension], centroids),
         Tensor::of_f32("phase_basis", vec![phase_basis.len() / 72, 2, 36], phase_basis),
         Tensor::of_f32("steps", vec![dimension], steps),
-    ];
-    for (number, segment) in segments.iter().enumerate() {
-        let SegmentParts { lists: SegmentColumns { starts, codes, fine, squares, indices }, .. } = segment;
-        let (points, blocks) = (segment.levels.len(), indices.len() / BLOCK);
-        let mut add = |name: &str, dtype, shape, bytes| {
-            tensors.push(Tensor::new(tensor_name(number, name), dtype, shape, bytes));
-        };
-        add("starts", Dtype::U32, vec![lists + 1], starts.le_bytes());
-        add("codes", Dtype::I8, vec![blocks, dimension.div_ceil(2), BLOCK, 2], codes.le_bytes());
-        add("fine", Dtype::U8, vec![blocks, BLOCK, dimension.div_ceil(2)], fine.le_bytes());
-        add("squares", Dtype::F32, vec![blocks, BLOCK], squares.le_bytes());
-        add("indices", Dtype::U32, vec![blocks, BLOCK], indices.le_bytes());
-        add("positions", Dtype::U16, vec![points, 2], segment.positions.le_bytes());
-        add("levels", Dtype::U8, vec![points], segment.levels.le_bytes());
-        add(
-            "phases",
-            Dtype::U8,
-            vec![points, segment.phases.len() / points.max(1)],
-            segment.phases.le_bytes(),
-        );
-        add("windows", Dtype::U32, vec![segment.starts.len()], segment.starts.le_bytes());
-        let exemplars = le_bytes(&segment.exemplars, u32::to_le_bytes);
-        add("exemplars", Dtype::U32, vec![segment.exemplars.len()], exemplars);
-    }
-    tensors
-}
-
-/// The name of a segment's tensor.
-fn tensor_name(segment: usize, name: &str) -> String {
-    format!("segment.{segment}.{name}")
+        Tensor::of_f32("vlad_centroids", vec![vlad_centroids.len() / dimension, dimension], vlad_centroids),
+        bytes_of(
+            "descriptors",
+            vec![exemplars.len(), descriptors.len() / exemplars.len().max(1)],
+            descriptors.clone(),
+        ),
+        bytes_of("names", vec![exemplars.len(), 32], names),
+        bytes_of("exemplars", vec![bytes.len()], bytes),
+    ]
 }
 
 fn plain_parts(file: &File) -> Result<PlainParts, ArtifactError> {
@@ -153,55 +161,92 @@ fn plain_parts(file: &File) -> Result<PlainParts, ArtifactError> {
     })
 }
 
-fn taught_parts(file: &File) -> Result<EncodedParts, ArtifactError> {
+/// Windows in lists, with the edge points of the exemplars.
+fn encoded_parts(
+    file: &File,
+    documents: &[ExemplarDocument],
+    dimension: usize,
+) -> Result<(EncodedParts, Vec<Vec<EdgePoint>>), ArtifactError> {
     let floats = |name| file.values(name, Dtype::F32, f32::from_le_bytes);
-    let segments = (0..).take_while(|&number| file.has(&tensor_name(number, "starts")));
-    Ok(EncodedParts {
+    let bytes = |name| Ok::<_, ArtifactError>(file.data(name, Dtype::U8)?.to_vec());
+    let (mut rows, mut edges) = (None, vec![Vec::new(); documents.len()]);
+    if file.has("exemplars") {
+        let (all, places) = (file.data("exemplars", Dtype::U8)?, places(file, documents, dimension)?);
+        let end = places.last().map_or(0, |place| place.range.end);
+        if end != all.len() as u64 {
+            return Err(ArtifactError::Contents);
+        }
+        let mut own_rows = Vec::with_capacity(all.len());
+        for (place, edges) in places.iter().zip(&mut edges) {
+            let (own, points) = place.parts(&all[place.range.start as usize..place.range.end as usize]);
+            own_rows.extend(own);
+            *edges = points;
+        }
+        rows = Some(own_rows);
+    }
+    let parts = EncodedParts {
         centroids: floats("centroids")?,
         steps: floats("steps")?,
         phase_basis: floats("phase_basis")?,
-        segments: segments.map(|number| segment(file, number)).collect::<Result<_, _>>()?,
-    })
+        vlad_centroids: floats("vlad_centroids")?,
+        descriptors: bytes("descriptors")?,
+        rows,
+    };
+    Ok((parts, edges))
 }
 
-fn segment(file: &File, number: usize) -> Result<SegmentParts, ArtifactError> {
-    let name = |name| tensor_name(number, name);
-    Ok(SegmentParts {
-        lists: SegmentColumns {
-            starts: file.column(&name("starts"), Dtype::U32)?,
-            codes: file.column(&name("codes"), Dtype::I8)?,
-            fine: file.column(&name("fine"), Dtype::U8)?,
-            squares: file.column(&name("squares"), Dtype::F32)?,
-            indices: file.column(&name("indices"), Dtype::U32)?,
-        },
-        positions: file.column(&name("positions"), Dtype::U16)?,
-        levels: file.column(&name("levels"), Dtype::U8)?,
-        phases: file.column(&name("phases"), Dtype::U8)?,
-        starts: file.column(&name("windows"), Dtype::U32)?,
-        exemplars: file.values(&name("exemplars"), Dtype::U32, u32::from_le_bytes)?,
-    })
+/// Where the windows and edge points of each exemplar lie in the tensor `exemplars`.
+fn places(
+    file: &File,
+    documents: &[ExemplarDocument],
+    dimension: usize,
+) -> Result<Vec<ExemplarPlace>, ArtifactError> {
+    let (names, rest) = file.data("names", Dtype::U8)?.as_chunks::<32>();
+    if names.len() != documents.len() || !rest.is_empty() {
+        return Err(ArtifactError::Contents);
+    }
+    let mut start = 0_u64;
+    let place = |(document, name): (&ExemplarDocument, &[u8; 32])| {
+        let length = |count: usize, of: usize| (count as u64).checked_mul(of as u64);
+        let rows = length(document.points, EncodedParts::row_length(dimension))?;
+        let end = start.checked_add(rows)?.checked_add(length(document.contour_points, EDGE_LENGTH)?)?;
+        let range = std::mem::replace(&mut start, end)..end;
+        Some(ExemplarPlace { name: BlobName::of_hash(*name), range, rows_length: rows as usize })
+    };
+    documents.iter().zip(names).map(place).collect::<Option<_>>().ok_or(ArtifactError::Contents)
 }
 
-/// The model of header and tensors that may hold anything, with what it counts.
+/// The model of header and tensors that may hold anything, with what it counts, and where its exemplars lie if they are elsewhere.
 pub(super) fn assemble(
     options: LandmarkOptions,
     header: LandmarkHeader,
-    file: &File,
-) -> Result<(Landmarks, Counts), ArtifactError> {
-    let edges = file.optional("contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
+    file: File,
+) -> Result<(Landmarks, Counts, Vec<ExemplarPlace>), ArtifactError> {
+    let eigenvalues = file.values("eigenvalues", Dtype::F64, f64::from_le_bytes)?;
+    let documents = &header.exemplars;
+    let (windows, edges) = if file.has("eigenpoints") {
+        let contours = file.optional("contours", Dtype::F32, f32::from_le_bytes)?.unwrap_or_default();
+        (WindowParts::Plain(plain_parts(&file)?), edges_of(documents, &contours)?)
+    } else {
+        let (encoded, edges) = encoded_parts(&file, documents, eigenvalues.len())?;
+        (WindowParts::Encoded(encoded), edges)
+    };
+    let places = match file.has("exemplars") || file.has("eigenpoints") {
+        true => Vec::new(),
+        false => places(&file, documents, eigenvalues.len())?,
+    };
     let parts = LandmarkParts {
         options,
-        exemplars: exemplars(header.exemplars, &edges)?,
+        exemplars: exemplars(header.exemplars, edges)?,
         mean: file.values("mean", Dtype::F32, f32::from_le_bytes)?,
         basis: file.values("basis", Dtype::F32, f32::from_le_bytes)?,
-        eigenvalues: file.values("eigenvalues", Dtype::F64, f64::from_le_bytes)?,
+        eigenvalues,
         total_variance: header.total_variance,
         confidence: header.confidence.map(Confidence::from),
-        windows: match file.has("eigenpoints") {
-            true => WindowParts::Plain(plain_parts(file)?),
-            false => WindowParts::Encoded(taught_parts(file)?),
-        },
+        windows,
     };
+    // hundreds of megabytes, which the parts have by now
+    drop(file);
     let named = |exemplar: &Exemplar| {
         (exemplar.is_negative() || Name::parse(&exemplar.label).is_ok())
             && Uuid::try_parse(&exemplar.id).is_ok()
@@ -216,35 +261,51 @@ pub(super) fn assemble(
         Landmarks::try_from(parts).map_err(|source| ArtifactError::Parts { source: source.into() })?;
     let labels = landmarks.labels().len() as u64;
     let counts = Counts { exemplars, labels, interest_points: windows / radii };
-    Ok((landmarks, counts))
+    Ok((landmarks, counts, places))
 }
 
-/// The exemplars with their edge templates, whose rows are those of the tensor `contours`, no more and no fewer.
-fn exemplars(documents: Vec<ExemplarDocument>, edges: &[f32]) -> Result<Vec<Exemplar>, ArtifactError> {
-    let (mut left, rest) = edges.as_chunks::<4>();
-    let mut exemplars = Vec::with_capacity(documents.len());
+/// The edge templates of the exemplars, whose rows are those of the tensor `contours`, no more and no fewer.
+fn edges_of(documents: &[ExemplarDocument], contours: &[f32]) -> Result<Vec<Vec<EdgePoint>>, ArtifactError> {
+    let (mut left, rest) = contours.as_chunks::<4>();
+    let mut edges = Vec::with_capacity(documents.len());
     for document in documents {
         let (own, others) = left.split_at_checked(document.contour_points).ok_or(ArtifactError::Contents)?;
         left = others;
-        let point = |&[x_px, y_px, gradient_x, gradient_y]: &[f32; 4]| EdgePoint {
-            x_px,
-            y_px,
-            gradient_x,
-            gradient_y,
-        };
-        if document.label.as_deref() == Some("") {
-            return Err(ArtifactError::Contents);
-        }
-        exemplars.push(Exemplar {
+        edges.push(own.iter().map(|&row| edge_point(row)).collect());
+    }
+    if left.is_empty() && rest.is_empty() { Ok(edges) } else { Err(ArtifactError::Contents) }
+}
+
+/// The exemplars with their edge templates.
+fn exemplars(
+    documents: Vec<ExemplarDocument>,
+    edges: Vec<Vec<EdgePoint>>,
+) -> Result<Vec<Exemplar>, ArtifactError> {
+    let exemplar = |(document, edges): (ExemplarDocument, Vec<EdgePoint>)| match document.label.as_deref() {
+        Some("") => Err(ArtifactError::Contents),
+        _ => Ok(Exemplar {
             id: document.id,
             label: document.label.unwrap_or_default(),
             width_px: document.width_px,
             height_px: document.height_px,
             windows: document.points,
-            edges: own.iter().map(point).collect(),
-        });
-    }
-    if left.is_empty() && rest.is_empty() { Ok(exemplars) } else { Err(ArtifactError::Contents) }
+            edges,
+        }),
+    };
+    documents.into_iter().zip(edges).map(exemplar).collect()
+}
+
+/// Bytes of an edge point.
+const EDGE_LENGTH: usize = 16;
+
+/// The edge points of a row of bytes.
+pub(super) fn edge_points(bytes: &[u8]) -> Vec<EdgePoint> {
+    let rows = bytes.as_chunks::<4>().0.as_chunks::<4>().0;
+    rows.iter().map(|row| edge_point(row.map(f32::from_le_bytes))).collect()
+}
+
+fn edge_point([x_px, y_px, gradient_x, gradient_y]: [f32; 4]) -> EdgePoint {
+    EdgePoint { x_px, y_px, gradient_x, gradient_y }
 }
 
 /// A row of the tensor `contours`.

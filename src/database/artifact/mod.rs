@@ -10,22 +10,22 @@
 
 mod landmarks;
 mod objects;
+pub mod outline;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::error::Error;
-use std::sync::Arc;
+use std::ops::Range;
 
-use bytemuck::{AnyBitPattern, NoUninit};
 use bytes::Bytes;
-use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use outline::ExemplarPlace;
+use safetensors::tensor::{Dtype, Metadata, SafeTensors, TensorInfo, TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::options::{DocumentError, Options};
 use super::report::Report;
 use super::{ALGORITHM_REVISION, Counts, Kind, Model};
 use crate::store::BlobName;
-use landmarkd_core::column::Column;
 use landmarkd_core::recognition::landmarks::LandmarkParts;
 use landmarkd_core::recognition::objects::ObjectParts;
 
@@ -218,27 +218,63 @@ fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor<'
     });
     let metadata = HashMap::from([(METADATA_KEY.to_owned(), header)]);
     let mut file = safetensors::serialize(views, Some(metadata)).expect("each name stands once");
+    let replace = |file: &mut Vec<u8>, unknown: &str, digits: String| {
+        let at = find(file, unknown.as_bytes()).expect("the header was written with it");
+        file[at..at + digits.len()].copy_from_slice(digits.as_bytes());
+    };
+    if let Some(outline) = outline_of_file(&file) {
+        replace(&mut file, outline::NO_OUTLINE, outline);
+    }
     let checksum = BlobName::of(&file).to_string();
-    let at = find(&file, NO_CHECKSUM.as_bytes()).expect("the header was written with it");
-    file[at..at + checksum.len()].copy_from_slice(checksum.as_bytes());
+    replace(&mut file, NO_CHECKSUM, checksum);
     file
+}
+
+/// The outline of a file that is being written, if it has exemplars that can be read by themselves.
+fn outline_of_file(file: &[u8]) -> Option<String> {
+    let (length, metadata) = SafeTensors::read_metadata(file).expect("it was written just now");
+    let (header, data) = file.split_at(outline::PREFIX_LENGTH as usize + length);
+    let (start, end) = metadata.info("exemplars")?.data_offsets;
+    outline::outline_of([header, &data[..start], &data[end..]], [NO_CHECKSUM, outline::NO_OUTLINE])
 }
 
 /// Read an artifact file, checked whole.
 ///
 /// # Errors
 /// [`ArtifactError`]: what is wrong with the file.
-pub fn read(file: &Bytes) -> Result<Artifact, ArtifactError> {
-    let not_safetensors = |source| ArtifactError::NotSafetensors { source };
-    let (_, metadata) = SafeTensors::read_metadata(file).map_err(not_safetensors)?;
-    let tensors = File { tensors: SafeTensors::deserialize(file).map_err(not_safetensors)?, bytes: file };
+pub fn read(file: Bytes) -> Result<Artifact, ArtifactError> {
+    let (length, metadata) = SafeTensors::read_metadata(&file).map_err(not_safetensors)?;
+    let text = header_of(&metadata)?;
+    // before the checksum: a newer one may be computed otherwise
+    let header: Header = read_header(text)?;
+    if header.format <= FORMAT {
+        verify_checksum(&file, &header.checksum)?;
+    }
+    let tensors = File::of(&metadata, &[(0, file)], outline::PREFIX_LENGTH as usize + length);
+    Ok(read_file(text, tensors)?.0)
+}
+
+fn not_safetensors(source: safetensors::SafeTensorError) -> ArtifactError {
+    ArtifactError::NotSafetensors { source }
+}
+
+/// The text under the file's metadata key.
+fn header_of(metadata: &Metadata) -> Result<&str, ArtifactError> {
     let text = metadata.metadata().as_ref().and_then(|metadata| metadata.get(METADATA_KEY));
-    let text = text.ok_or(ArtifactError::Metadata { source: None })?;
+    Ok(text.ok_or(ArtifactError::Metadata { source: None })?)
+}
+
+/// The digits of a header's checksum.
+fn checksum_of(text: &str) -> Result<String, ArtifactError> {
+    Ok(read_header::<Header>(text)?.checksum)
+}
+
+/// The artifact of a header and tensors whose hash is right, and where its exemplars lie if they are elsewhere.
+fn read_file(text: &str, file: File) -> Result<(Artifact, Vec<ExemplarPlace>), ArtifactError> {
     let header: Header = read_header(text)?;
     if header.format > FORMAT {
         return Err(ArtifactError::TooNew { found: header.format });
     }
-    verify_checksum(file, &header.checksum)?;
     if !(1..=ALGORITHM_REVISION).contains(&header.algorithm_revision) {
         return Err(ArtifactError::Revision { found: header.algorithm_revision });
     }
@@ -247,30 +283,25 @@ pub fn read(file: &Bytes) -> Result<Artifact, ArtifactError> {
     };
     let options =
         Options::from_document(kind, &header.options).map_err(|source| ArtifactError::Options { source })?;
-    let (model, report, counts) = match options {
+    let (model, report, counts, places) = match options {
         Options::Landmarks(options) => {
             let of_kind: landmarks::LandmarkHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
-            let (model, counts) = landmarks::assemble(options, of_kind, &tensors)?;
-            (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts)
+            let (model, counts, places) = landmarks::assemble(options, of_kind, file)?;
+            (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts, places)
         }
         Options::Objects(options) => {
             let of_kind: objects::ObjectHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
-            let (model, counts) = objects::assemble(options, of_kind, &tensors)?;
-            (Model::Objects(Box::new(model)), Report::Objects(report), counts)
+            let (model, counts) = objects::assemble(options, of_kind, &file)?;
+            (Model::Objects(Box::new(model)), Report::Objects(report), counts, Vec::new())
         }
     };
     if counts != header.counts || header.digest.parse::<BlobName>().is_err() {
         return Err(ArtifactError::Contents);
     }
-    Ok(Artifact {
-        digest: header.digest,
-        algorithm_revision: header.algorithm_revision,
-        counts,
-        report,
-        model,
-    })
+    let Header { digest, algorithm_revision, .. } = header;
+    Ok((Artifact { digest, algorithm_revision, counts, report, model }, places))
 }
 
 /// The common part of a header, or that of a kind: each leaves the members of the other alone.
@@ -296,21 +327,37 @@ fn le_bytes<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N])
     values.iter().flat_map(|&value| bytes(value)).collect::<Vec<u8>>().into()
 }
 
-/// The tensors of a file.
-struct File<'a> {
-    tensors: SafeTensors<'a>,
-    bytes: &'a Bytes,
+/// The tensors of a file, or some of them.
+struct File {
+    tensors: HashMap<String, (Dtype, Bytes)>,
 }
 
-impl File<'_> {
+impl File {
+    /// Those that lie in parts of a file, each with its place in that; tensors start at `start`.
+    fn of(metadata: &Metadata, parts: &[(usize, Bytes)], start: usize) -> Self {
+        let within = |range: Range<usize>| {
+            parts.iter().find_map(|(from, part)| {
+                let first = start.checked_add(range.start)?.checked_sub(*from)?;
+                let end = start.checked_add(range.end)?.checked_sub(*from)?;
+                (first <= end && end <= part.len()).then(|| part.slice(first..end))
+            })
+        };
+        let tensor = |(name, info): (String, &TensorInfo)| {
+            Some((name, (info.dtype, within(info.data_offsets.0..info.data_offsets.1)?)))
+        };
+        Self { tensors: metadata.tensors().into_iter().filter_map(tensor).collect() }
+    }
+
     fn has(&self, name: &str) -> bool {
-        self.tensors.tensor(name).is_ok()
+        self.tensors.contains_key(name)
     }
 
     /// The bytes of a tensor of that type.
     fn data(&self, name: &str, dtype: Dtype) -> Result<&[u8], ArtifactError> {
-        let view = self.tensors.tensor(name).ok().filter(|view| view.dtype() == dtype);
-        Ok(view.ok_or_else(|| ArtifactError::Tensor { name: name.to_owned() })?.data())
+        match self.tensors.get(name) {
+            Some((found, bytes)) if *found == dtype => Ok(bytes),
+            _ => Err(ArtifactError::Tensor { name: name.to_owned() }),
+        }
     }
 
     /// The values of a tensor.
@@ -336,19 +383,6 @@ impl File<'_> {
     ) -> Result<Option<Vec<T>>, ArtifactError> {
         self.has(name).then(|| self.values(name, dtype, value)).transpose()
     }
-
-    /// The values of a tensor where they lie in the file, or copied where they can't be used there.
-    fn column<T: AnyBitPattern + NoUninit>(
-        &self,
-        name: &str,
-        dtype: Dtype,
-    ) -> Result<Column<T>, ArtifactError> {
-        let data = self.data(name, dtype)?;
-        let start = data.as_ptr().addr() - self.bytes.as_ptr().addr();
-        let shared = Column::shared(Arc::new(self.bytes.clone()), start..start + data.len());
-        let column = shared.or_else(|| Column::copied(data));
-        column.ok_or_else(|| ArtifactError::Tensor { name: name.to_owned() })
-    }
 }
 
 #[cfg(test)]
@@ -357,8 +391,8 @@ mod tests {
     use crate::database::LandmarkReport;
     use landmarkd_core::imaging::{Frame, Image};
     use landmarkd_core::recognition::landmarks::{
-        CalibrationSample, Evidence, ExemplarName, LandmarkOptions, Landmarks, Method, Signature, Viewpoint,
-        WindowParts, describe,
+        CalibrationSample, Evidence, ExemplarName, KeptExemplar, LandmarkOptions, Landmarks, Method,
+        Signature, Viewpoint, describe,
     };
     use proptest::prelude::*;
     use serde_json::{Value, json};
@@ -423,18 +457,56 @@ mod tests {
         }
     }
 
+    /// What a file gives that is read without its windows, and its bytes exemplar by exemplar.
+    fn outlined(file: &Bytes) -> Result<Option<(Artifact, Vec<ExemplarPlace>)>, ArtifactError> {
+        let length = outline::header_length(&file[..8])? as usize;
+        let Some(header) = file.get(..length) else { return Err(ArtifactError::Contents) };
+        let header = Bytes::copy_from_slice(header);
+        let Some(header) = outline::OutlineHeader::of(header, file.len() as u64)? else { return Ok(None) };
+        let around = header.around.clone().map(|range| file.slice(range.start as usize..range.end as usize));
+        header.read(around).map(Some)
+    }
+
     #[test]
-    fn windows_in_lists_lie_where_the_file_has_them_and_give_the_same_bytes() {
+    fn a_file_read_without_its_windows_answers_with_those_it_needs() {
         let file = Bytes::from(write(&of_gradients()));
-        let read = read(&file).unwrap();
-        assert_eq!(write(&read), file);
-        let Model::Landmarks(model) = &read.model else { panic!("it is one of landmarks") };
-        let WindowParts::Encoded(taught) = LandmarkParts::from(&**model).windows else { panic!("in lists") };
-        assert!(taught.segments[0].phases.is_shared() && taught.segments[0].lists.codes.is_shared());
-        // wherever the bytes lie
-        for offset in 0..4 {
-            let moved = Bytes::from([vec![0; offset], file.to_vec()].concat()).slice(offset..);
-            assert_eq!(write(&super::read(&moved).unwrap()), file);
+        let whole = read(file.clone()).unwrap();
+        assert_eq!(write(&whole), file);
+        let (outline, places) = outlined(&file).unwrap().unwrap();
+        assert_eq!((&outline.digest, outline.counts), (&whole.digest, whole.counts));
+        let (Model::Landmarks(outline), Model::Landmarks(whole)) = (&outline.model, &whole.model) else {
+            panic!("it is one of landmarks")
+        };
+        assert!(!outline.has_windows() && outline.bytes() < whole.bytes() && places.len() == 2);
+        let frame = Frame::gray(tiles(1));
+        let asked = outline.ask(&frame, |_| ()).unwrap();
+        assert_eq!(outline.likest(&asked, 1), [1]);
+        let kept = places.iter().enumerate().map(|(index, place)| {
+            let bytes = &file[place.range.start as usize..place.range.end as usize];
+            assert_eq!(BlobName::of(bytes), place.name);
+            let (rows, edges) = place.parts(bytes);
+            KeptExemplar { index, rows, edges }
+        });
+        let all = outline.of_kept(kept.collect()).unwrap();
+        assert_eq!(all.recognise_asked(&asked, |_| ()).unwrap(), whole.recognise(&frame, |_| ()));
+        assert!(outlined(&Bytes::from(write(&artifact()))).unwrap().is_none(), "signatures of intensities");
+    }
+
+    #[test]
+    fn every_flipped_byte_of_an_outline_is_found() {
+        let file = Bytes::from(write(&of_gradients()));
+        let (_, places) = outlined(&file).unwrap().unwrap();
+        let exemplars = places[0].range.start..places[1].range.end;
+        let (_, metadata) = SafeTensors::read_metadata(&file).unwrap();
+        let checksum = header_of(&metadata).and_then(checksum_of).unwrap();
+        let checksum = find(&file, checksum.as_bytes()).unwrap() as u64;
+        // the digits of the checksum are of the whole file
+        let covered = |at: &u64| !exemplars.contains(at) && !(checksum..checksum + 64).contains(at);
+        for at in (0..file.len() as u64).filter(covered) {
+            let mut damaged = file.to_vec();
+            damaged[at as usize] ^= 0x10;
+            let read = outlined(&damaged.into());
+            assert!(!matches!(read, Ok(Some(_))), "byte {at} of {} was flipped unseen", file.len());
         }
     }
 
@@ -442,7 +514,7 @@ mod tests {
     fn a_file_comes_back_as_the_same_version_and_the_same_bytes() {
         let written = artifact();
         let file = Bytes::from(write(&written));
-        let read = read(&file).unwrap();
+        let read = read(file.clone()).unwrap();
         let (Model::Landmarks(before), Model::Landmarks(after)) = (&written.model, &read.model) else {
             panic!("a landmark database comes back as one")
         };
@@ -468,7 +540,7 @@ mod tests {
         let tensors = tensors.into_iter().map(owned).collect();
         let mut parts = (serde_json::to_value(header).unwrap(), tensors);
         change(&mut parts);
-        read(&write_parts(common_header(artifact), parts).into())
+        read(write_parts(common_header(artifact), parts).into())
     }
 
     #[test]
@@ -526,7 +598,7 @@ mod tests {
         for at in 0..file.len() {
             let mut damaged = file.to_vec();
             damaged[at] ^= 0x10;
-            assert!(read(&damaged.into()).is_err(), "byte {at} of {} was flipped unseen", file.len());
+            assert!(read(damaged.into()).is_err(), "byte {at} of {} was flipped unseen", file.len());
         }
     }
 
@@ -534,7 +606,7 @@ mod tests {
     fn a_file_cut_off_anywhere_is_refused() {
         let file = Bytes::from(write(&artifact()));
         for length in 0..file.len() {
-            assert!(read(&file.slice(..length)).is_err(), "cut off after {length} bytes");
+            assert!(read(file.slice(..length)).is_err(), "cut off after {length} bytes");
         }
     }
 
@@ -590,6 +662,6 @@ mod tests {
         let at = find(&file, br#"\"format\":1"#).unwrap();
         let mut newer = file.to_vec();
         newer[at + 11] = b'9';
-        assert!(matches!(read(&newer.into()), Err(ArtifactError::TooNew { found: 9 })));
+        assert!(matches!(read(newer.into()), Err(ArtifactError::TooNew { found: 9 })));
     }
 }

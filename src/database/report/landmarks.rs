@@ -67,8 +67,6 @@ pub struct GrownReport {
     pub added: u64,
     /// Exemplars that have gone since: what the eigenspace and the centroids of the lists owe to them is still there.
     pub removed: u64,
-    /// Parts that the windows are kept in: each training that adds exemplars makes one, and of many one is made.
-    pub segments: u64,
     /// Part of the energy of the new exemplars' signatures that the eigenspace doesn't hold, 0..=1.
     pub residual: f64,
     /// Part of the variance that it didn't hold when it was fitted.

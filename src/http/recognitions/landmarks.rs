@@ -5,10 +5,12 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted};
+use crate::http::problem::{Code, Problem};
 use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::recognition::landmarks::{
-    AContrario, Instance, Landmarks, PointVote, Stage, VerifiedPlacement, annotate,
+    AContrario, AskedFrame, Instance, KeptExemplar, Landmarks, PointVote, Recognition, Stage,
+    VerifiedPlacement, annotate,
 };
 
 /// What speaks for the answer of a landmark database.
@@ -175,6 +177,8 @@ pub struct LandmarkStages {
     pub attention: f64,
     /// Sub-windows and their spectra.
     pub signature: f64,
+    /// Choosing exemplars and reading them, where the version's windows are not in memory; else 0.
+    pub fetch: f64,
     /// Projection and nearest eigenpoints.
     pub search: f64,
     pub vote: f64,
@@ -182,7 +186,8 @@ pub struct LandmarkStages {
     pub verification: f64,
 }
 
-const STAGES: [&str; 5] = ["attention", "signature", "search", "vote", "verification"];
+const STAGES: [&str; 6] = ["attention", "signature", FETCH, "search", "vote", "verification"];
+const FETCH: &str = "fetch";
 
 fn word(stage: Stage) -> &'static str {
     match stage {
@@ -194,12 +199,70 @@ fn word(stage: Stage) -> &'static str {
     }
 }
 
+/// Exemplars that a frame is recognised among where the version's windows are not in memory.
+const CHOSEN: usize = 200;
+
+/// A frame of which exemplars are chosen.
+pub(super) struct Chosen {
+    asked: AskedFrame<'static>,
+    /// Their indices, ascending.
+    pub exemplars: Vec<usize>,
+}
+
+/// The exemplars that are likest the frame.
+///
+/// # Errors
+/// The model has signatures of intensities, whose windows are always in memory.
+pub(super) fn choose(frame: &Frame, model: &Landmarks, clock: &mut StageClock) -> Result<Chosen, Problem> {
+    clock.expect(&STAGES);
+    let asked = model.ask(frame, |stage| clock.end(word(stage))).ok_or_else(not_kept)?;
+    let exemplars = model.likest(&asked, CHOSEN);
+    Ok(Chosen { asked, exemplars })
+}
+
+/// What can't be: a version whose windows are read, and that has none to read.
+pub(super) fn not_kept() -> Problem {
+    Problem::new(Code::Internal, "the version has no windows that can be read by themselves")
+}
+
+/// The answer to the frame by those exemplars that were chosen, read by now.
+pub(super) fn answer_among(
+    frame: &Frame,
+    model: &Landmarks,
+    chosen: &Chosen,
+    kept: Vec<KeptExemplar<'_>>,
+    wanted: Wanted,
+    clock: &mut StageClock,
+) -> Result<Answer, Problem> {
+    let among = model.of_kept(kept).map_err(|_| not_kept())?;
+    clock.end(FETCH);
+    let recognition =
+        among.recognise_asked(&chosen.asked, |stage| clock.end(word(stage))).map_err(|_| not_kept())?;
+    let mut answer = rendered(frame, &among, recognition, wanted, clock);
+    let mut weights = vec![0.0; model.exemplars().len()];
+    for (&exemplar, weight) in chosen.exemplars.iter().zip(&answer.exemplar_weights) {
+        weights[exemplar] = *weight;
+    }
+    answer.exemplar_weights = weights;
+    Ok(answer)
+}
+
 /// The model's answer to the frame.
 pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &mut StageClock) -> Answer {
     clock.expect(&STAGES);
     // Points are asked in batches: a stage may come several times.
     let recognition = model.recognise(frame, |stage| clock.end(word(stage)));
-    let [attention, signature, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
+    rendered(frame, model, recognition, wanted, clock)
+}
+
+fn rendered(
+    frame: &Frame,
+    model: &Landmarks,
+    recognition: Recognition,
+    wanted: Wanted,
+    clock: &StageClock,
+) -> Answer {
+    let [attention, signature, fetch, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {
@@ -256,7 +319,14 @@ pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &m
             points_found: recognition.points_found as u64,
             points: wanted.explain.then(|| recognition.points.iter().map(point).collect()),
         }),
-        stages: StagesBody::Landmarks(LandmarkStages { attention, signature, search, vote, verification }),
+        stages: StagesBody::Landmarks(LandmarkStages {
+            attention,
+            signature,
+            fetch,
+            search,
+            vote,
+            verification,
+        }),
         drawn: wanted.drawing.map(|_| {
             let png = annotate(frame, &recognition, model).into_png();
             Drawn { png, distance_from_space: None }

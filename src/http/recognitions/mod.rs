@@ -26,9 +26,9 @@ use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{Databases, FrameHeader, Kind, LoadedVersion, Model, Name};
 use crate::telemetry::Work;
-use landmarkd_core::imaging;
+use landmarkd_core::imaging::{self, Frame};
 
-use landmarks::{LandmarkEvidence, LandmarkStages};
+use landmarks::{Chosen, LandmarkEvidence, LandmarkStages};
 use objects::{ObjectEvidence, ObjectStages};
 
 pub(super) use objects::{CandidateBody, PoseBody};
@@ -234,10 +234,18 @@ pub(super) async fn version_for(
     }
 }
 
-/// Decodes and recognises on a computing thread. Calls `add` there with the picture's bytes and W of every exemplar.
+/// How far the first visit to a computing thread came.
+enum Visited<T, Add> {
+    Answered(Answer, T),
+    /// The version's windows are not in memory: those of the chosen exemplars are to be read.
+    Chosen(Frame, Chosen, Add),
+}
+
+/// Decodes and recognises on computing threads. Calls `add` there with the picture's bytes and W of every exemplar.
 ///
 /// # Errors
-/// The picture can't be decoded or isn't of the database's size, or too much waits already.
+/// The picture can't be decoded or isn't of the database's size, too much waits already, or the version's windows can't be
+/// read.
 pub(super) async fn recognise<T: Send + 'static>(
     service: &Service,
     version: &Arc<LoadedVersion>,
@@ -245,29 +253,49 @@ pub(super) async fn recognise<T: Send + 'static>(
     wanted: Wanted,
     add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
 ) -> Result<(Recognised, T), Problem> {
-    let (version, limits) = (Arc::clone(version), service.decode);
+    let limits = service.decode;
     // a drawing shows the picture as it was posted
     let side_px = match &version.model {
         Model::Landmarks(model) if wanted.drawing.is_none() => model.options().working_size_px,
         Model::Landmarks(_) | Model::Objects(_) => None,
     };
     let memory = side_px.map_or(picture.working_bytes, |side_px| picture.header.reduced_bytes(side_px));
-    let work = move || {
+    let (asked, bytes) = (Arc::clone(version), picture.bytes.clone());
+    let visit = move || {
         let mut clock = StageClock::begin();
         let frame = match side_px {
-            Some(side_px) => imaging::decode_reduced(&picture.bytes, &limits, side_px)?,
-            None => imaging::decode(&picture.bytes, &limits)?,
+            Some(side_px) => imaging::decode_reduced(&bytes, &limits, side_px)?,
+            None => imaging::decode(&bytes, &limits)?,
         };
         clock.end("decode");
-        let answer = match &version.model {
+        let answer = match &asked.model {
+            Model::Landmarks(model) if asked.kept.is_some() => {
+                let chosen = landmarks::choose(&frame, model, &mut clock)?;
+                return Ok((Visited::Chosen(frame, chosen, add), clock));
+            }
             Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, &mut clock),
             Model::Objects(model) => objects::answer(&frame, model, wanted, &mut clock)?,
         };
-        let added = add(&picture.bytes, &answer.exemplar_weights);
-        Ok::<_, Problem>((answer, clock, added))
+        let added = add(&bytes, &answer.exemplar_weights);
+        Ok::<_, Problem>((Visited::Answered(answer, added), clock))
     };
-    let (recognised, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
-    let (answer, clock, added) = recognised?;
+    let (visited, queue) = service.compute.run(Lane::Recognition, memory, visit).await?;
+    let (visited, clock) = visited?;
+    let (answer, added, clock) = match visited {
+        Visited::Answered(answer, added) => (answer, added, clock),
+        Visited::Chosen(frame, chosen, add) => {
+            let read = version.read_exemplars(&chosen.exemplars).await?;
+            let (asked, memory, mut clock) = (Arc::clone(version), memory + 2 * read.bytes(), clock);
+            let again = move || {
+                let Model::Landmarks(model) = &asked.model else { return Err(landmarks::not_kept()) };
+                let answer =
+                    landmarks::answer_among(&frame, model, &chosen, read.kept(), wanted, &mut clock)?;
+                let added = add(&picture.bytes, &answer.exemplar_weights);
+                Ok::<_, Problem>((answer, added, clock))
+            };
+            service.compute.run(Lane::Recognition, memory, again).await?.0?
+        }
+    };
     clock.record(&service.metrics, Work::Recognition, queue);
     Ok((Recognised { answer, queue, clock }, added))
 }

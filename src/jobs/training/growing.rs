@@ -46,7 +46,7 @@ pub enum EigenspaceChoice {
 pub(super) struct Base {
     version: Arc<LoadedVersion>,
     added: Vec<ExemplarRow>,
-    /// What the report says, without the new exemplars' residual and the segments.
+    /// What the report says, without the new exemplars' residual.
     report: GrownReport,
     /// Of what comes of it.
     pub(super) digest: String,
@@ -93,8 +93,7 @@ impl Base {
         let (grown, eigenspace) = worker.alone("eigenspace", grow).await?;
         let Some(grown) = grown else { return Ok(None) };
         let (model, report) = grown.map_err(stop)?;
-        let segments = model.segments() as u64;
-        let growth = GrownReport { segments, residual, residual_fitted, ..self.report };
+        let growth = GrownReport { residual, residual_fitted, ..self.report };
         let timings = TrainingTimings { describe, eigenspace, rehearsal: None };
         Ok(Some(((model, report, timings, descriptions), growth)))
     }
@@ -125,7 +124,7 @@ pub(super) async fn base(
         return Ok(None);
     }
     // what a damaged one had is trained anew, and that mends it
-    let version = match databases.version_model(&name, row.version).await {
+    let version = match databases.whole_version(&row).await {
         Err(DatabaseError::Unloadable { .. } | DatabaseError::UnknownVersion { .. }) => return Ok(None),
         version => version?,
     };
@@ -146,7 +145,6 @@ pub(super) async fn base(
         fitted_exemplars: grown.map_or(counts.exemplars, |grown| grown.fitted_exemplars),
         added: of_before(|grown| grown.added) + added.len() as u64,
         removed: of_before(|grown| grown.removed) + (model.exemplars().len() - kept) as u64,
-        segments: 0,
         residual: 0.0,
         residual_fitted: 0.0,
     };

@@ -11,7 +11,7 @@ pub mod symmetric;
 mod tree;
 
 pub use eigenspace::{EigenError, Eigenspace};
-pub use inverted_index::{Codebook, Codes, InvertedIndex, Segment, SegmentColumns, lists_for};
+pub use inverted_index::{Code, Codebook, InvertedIndex, lists_for};
 pub use mahalanobis::ClassCovariance;
 pub use neighbours::{EigenpointIndex, Neighbour};
 pub use radius_index::{RadiusIndex, Search};

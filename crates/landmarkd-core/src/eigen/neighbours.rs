@@ -275,7 +275,7 @@ pub(super) fn distance_square(a: &[f32], b: &[f32]) -> f64 {
 }
 
 #[inline(always)]
-pub(super) fn dot(a: &[f32], b: &[f32]) -> f64 {
+pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
     sum_in_lanes(a, b, |a, b| a * b)
 }
 

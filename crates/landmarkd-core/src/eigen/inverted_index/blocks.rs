@@ -6,7 +6,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::candidates::Candidates;
 use super::queries::{Tile, Tiles};
-use crate::column::Column;
 
 /// Sums that are one vector of AVX2.
 const LANES: usize = 8;
@@ -18,7 +17,7 @@ pub(super) const TILE: usize = 4;
 pub(super) const EMPTY: u32 = u32::MAX;
 
 /// What a coordinate is kept as.
-pub(super) trait Coordinate: bytemuck::AnyBitPattern + Default + Send + Sync + 'static {
+pub(super) trait Coordinate: Copy + Default + Send + Sync + 'static {
     /// A row of pairs as what `products` multiplies.
     fn pairs<P: Products>(products: P, row: &[[Self; 2]; LANES]) -> P::Pairs;
 }
@@ -43,25 +42,18 @@ pub(super) struct Blocks<C> {
     /// Pairs of coordinates of a point; the last pair of an odd number ends with 0.
     pairs: usize,
     /// For each pair of each block a row of [`BLOCK`] pairs.
-    coordinates: Column<C>,
-    /// ‖t‖² of each place, infinite where no point is.
-    squares: Column<f32>,
-    /// Which point each place holds.
-    indices: Column<u32>,
-}
-
-/// Points that are being put into blocks.
-pub(super) struct BlocksBuilder<C> {
-    pairs: usize,
     coordinates: Vec<C>,
+    /// ‖t‖² of each place, infinite where no point is.
     squares: Vec<f32>,
+    /// Which point each place holds.
     indices: Vec<u32>,
 }
 
-impl<C: Coordinate> BlocksBuilder<C> {
-    pub fn new(blocks: usize, dimension: usize) -> BlocksBuilder<C> {
+impl<C: Coordinate> Blocks<C> {
+    /// So many blocks without points.
+    pub fn new(blocks: usize, dimension: usize) -> Blocks<C> {
         let pairs = dimension.div_ceil(2);
-        BlocksBuilder {
+        Blocks {
             pairs,
             coordinates: vec![C::default(); blocks * pairs * BLOCK * 2],
             squares: vec![f32::INFINITY; blocks * BLOCK],
@@ -79,31 +71,17 @@ impl<C: Coordinate> BlocksBuilder<C> {
         self.indices[place] = index;
     }
 
-    pub fn build(self) -> Blocks<C> {
-        let BlocksBuilder { pairs, coordinates, squares, indices } = self;
-        Blocks { pairs, coordinates: coordinates.into(), squares: squares.into(), indices: indices.into() }
-    }
-}
-
-impl<C: Coordinate> Blocks<C> {
-    /// Blocks as they were kept; `None` if the lengths are not those of whole blocks.
-    pub fn of_columns(
-        dimension: usize,
-        coordinates: Column<C>,
-        squares: Column<f32>,
-        indices: Column<u32>,
-    ) -> Option<Blocks<C>> {
-        let pairs = dimension.div_ceil(2);
-        let places = indices.len();
-        let fits = places.is_multiple_of(BLOCK)
-            && squares.len() == places
-            && places.checked_mul(pairs * 2) == Some(coordinates.len());
-        fits.then_some(Blocks { pairs, coordinates, squares, indices })
+    /// Which point a place holds, or [`EMPTY`].
+    #[inline(always)]
+    pub fn index(&self, place: usize) -> u32 {
+        self.indices[place]
     }
 
-    /// Coordinates, squares and indices.
-    pub fn columns(&self) -> (&Column<C>, &Column<f32>, &Column<u32>) {
-        (&self.coordinates, &self.squares, &self.indices)
+    /// The coordinates of a place's point, by pairs.
+    #[inline(always)]
+    pub fn point(&self, place: usize) -> impl Iterator<Item = &[C; 2]> {
+        let rows = &self.rows().coordinates[place / BLOCK * self.pairs..][..self.pairs];
+        rows.iter().map(move |row| &row[place % BLOCK])
     }
 
     /// How many blocks there are.
@@ -112,7 +90,7 @@ impl<C: Coordinate> Blocks<C> {
     }
 
     pub fn bytes(&self) -> usize {
-        self.coordinates.bytes() + self.squares.bytes() + self.indices.bytes()
+        size_of_val(&self.coordinates[..]) + size_of_val(&self.squares[..]) + size_of_val(&self.indices[..])
     }
 
     fn rows(&self) -> Rows<'_, C> {
@@ -124,10 +102,10 @@ impl<C: Coordinate> Blocks<C> {
         }
     }
 
-    /// Shows a range of blocks to queries; candidates are their places, the first of which is `first`.
-    pub fn scan(&self, blocks: Range<usize>, first: usize, tiles: &Tiles, candidates: &mut [Candidates]) {
+    /// Shows a range of blocks to queries; candidates are their places.
+    pub fn scan(&self, blocks: Range<usize>, tiles: &Tiles, candidates: &mut [Candidates]) {
         if !tiles.numbers.is_empty() && !blocks.is_empty() {
-            dispatch(Scan { of: self.rows(), blocks, first, tiles, candidates });
+            dispatch(Scan { of: self.rows(), blocks, tiles, candidates });
         }
     }
 
@@ -297,7 +275,6 @@ fn passes<S: Simd>(simd: S, parts: &[f32; BLOCK], limit: f32) -> bool {
 struct Scan<'a, C> {
     of: Rows<'a, C>,
     blocks: Range<usize>,
-    first: usize,
     tiles: &'a Tiles,
     candidates: &'a mut [Candidates],
 }
@@ -316,7 +293,7 @@ impl<C: Coordinate> Pass for Scan<'_, C> {
                 for (parts, &query) in out.iter().zip(&self.tiles.numbers[number * TILE..]) {
                     let candidates = &mut self.candidates[query as usize];
                     if passes(simd, parts, candidates.limit()) {
-                        candidates.add(parts, indices, (self.first + block * BLOCK) as u32);
+                        candidates.add(parts, indices, (block * BLOCK) as u32);
                     }
                 }
             }
@@ -370,25 +347,18 @@ mod tests {
         let mut numbers =
             |count: usize| -> Vec<f32> { (0..count).map(|_| random.normals()[0] as f32).collect() };
         let queries = numbers(8 * DIMENSION);
-        let mut blocks = BlocksBuilder::<i8>::new(20, DIMENSION);
+        let mut blocks = Blocks::<i8>::new(20, DIMENSION);
         for place in 0..317 {
             let coordinates: Vec<i8> = numbers(DIMENSION).iter().map(|v| (v * 30.0) as i8).collect();
             let square = coordinates.iter().map(|&v| f32::from(v).powi(2)).sum();
             blocks.put(place, 1000 - place as u32, &coordinates, square);
         }
-        let blocks = blocks.build();
         let mut tiles = Tiles::default();
         let asking: Vec<(u32, f32)> = (0..8).map(|number| (number, number as f32)).collect();
         tiles.fill(&WholeQueries::new(&queries, DIMENSION, |_| 1.0), 1.0, asking.iter().copied());
         let scan = |plain: bool| {
             let mut candidates: Vec<Candidates> = (0..8).map(|_| Candidates::new(40)).collect();
-            let pass = Scan {
-                of: blocks.rows(),
-                blocks: 0..20,
-                first: 0,
-                tiles: &tiles,
-                candidates: &mut candidates,
-            };
+            let pass = Scan { of: blocks.rows(), blocks: 0..20, tiles: &tiles, candidates: &mut candidates };
             if plain {
                 pass.run(pulp::Scalar, Plain)
             } else {

@@ -1,6 +1,6 @@
 //! Centroids, and the steps in which what a point differs from its centroid is kept: a byte a coordinate.
 
-use super::blocks::{Blocks, BlocksBuilder};
+use super::blocks::Blocks;
 use super::queries::{Tiles, WholeQueries, length, unit, whole};
 use crate::random::Random;
 
@@ -31,20 +31,47 @@ pub struct Codebook {
     unit: f32,
 }
 
-/// Points as their lists and codes, in the order that they were added in.
-#[derive(Clone, Debug, Default)]
-pub struct Codes {
-    /// Of each point.
-    pub lists: Vec<u32>,
-    /// Of each coordinate of each point.
-    pub codes: Vec<i8>,
-    /// What the codes leave, in sixteenths of a step: of each point [`fine_length`] bytes, the even coordinates in the low halves.
-    pub fine: Vec<u8>,
+/// A point as it is kept: its list, little-endian; a byte a coordinate; what those leave in sixteenths of a step, the even
+/// coordinates in the low halves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Code<'a> {
+    /// Whose centroid is nearest.
+    pub list: u32,
+    /// In steps from the centroid.
+    pub coordinates: &'a [i8],
+    /// Two coordinates a byte.
+    pub fine: &'a [u8],
 }
 
-/// Bytes of what the codes of a point leave.
-pub fn fine_length(dimension: usize) -> usize {
-    dimension.div_ceil(2)
+/// Bytes of the list of a code.
+const LIST_LENGTH: usize = size_of::<u32>();
+
+impl Code<'_> {
+    /// Bytes of a code.
+    pub fn length(dimension: usize) -> usize {
+        LIST_LENGTH + dimension + dimension.div_ceil(2)
+    }
+
+    /// The code in the first bytes of a row.
+    ///
+    /// # Panics
+    /// If the row is shorter than [`Code::length`].
+    pub fn of_row(row: &[u8], dimension: usize) -> Code<'_> {
+        let (list, rest) = row.split_first_chunk::<LIST_LENGTH>().expect("a row starts with a code");
+        let (coordinates, rest) = rest.split_at(dimension);
+        Code {
+            list: u32::from_le_bytes(*list),
+            coordinates: bytemuck::cast_slice(coordinates),
+            fine: &rest[..dimension.div_ceil(2)],
+        }
+    }
+
+    /// Adds its bytes to a row.
+    pub fn append_to(self, row: &mut Vec<u8>) {
+        row.extend(self.list.to_le_bytes());
+        row.extend(bytemuck::cast_slice::<i8, u8>(self.coordinates));
+        row.extend(self.fine);
+    }
 }
 
 impl Codebook {
@@ -109,25 +136,28 @@ impl Codebook {
         size_of_val(&self.centroids[..]) + size_of_val(&self.steps[..]) + self.blocks.bytes()
     }
 
-    /// Adds the codes of n × dimension row-major points, all finite.
+    /// The codes of n × dimension row-major points, all finite: n × [`Code::length`] bytes.
     ///
     /// # Panics
     /// If it is not a whole number of them.
-    pub fn encode(&self, points: &[f32], codes: &mut Codes) {
+    pub fn encode(&self, points: &[f32]) -> Vec<u8> {
         assert!(points.len().is_multiple_of(self.dimension), "whole points");
         let lists = nearest(&self.blocks, self.unit, points, self.dimension);
-        for (point, &list) in points.chunks_exact(self.dimension).zip(&lists) {
+        let mut codes = Vec::with_capacity(lists.len() * Code::length(self.dimension));
+        let (mut coordinates, mut fine) = (vec![0; self.dimension], vec![0; self.dimension.div_ceil(2)]);
+        for (point, list) in points.chunks_exact(self.dimension).zip(lists) {
             let centroid = self.centroid(list as usize);
-            let sixteenths = |at: usize| {
+            fine.fill(0);
+            for (at, coordinate) in coordinates.iter_mut().enumerate() {
                 let steps = (point[at] - centroid[at]) / self.steps[at];
                 let code = steps.round().clamp(-LARGEST_CODE, LARGEST_CODE);
-                (code as i8, ((steps - code) * FINE).floor().clamp(-FINE / 2.0, FINE / 2.0 - 1.0) as i8)
-            };
-            codes.codes.extend((0..self.dimension).map(|at| sixteenths(at).0));
-            let half = |at: usize| if at < self.dimension { sixteenths(at).1 as u8 & 0xf } else { 0 };
-            codes.fine.extend((0..self.dimension).step_by(2).map(|at| half(at) | half(at + 1) << 4));
+                let sixteenths = ((steps - code) * FINE).floor().clamp(-FINE / 2.0, FINE / 2.0 - 1.0);
+                *coordinate = code as i8;
+                fine[at / 2] |= (sixteenths as i8 as u8 & 0xf) << (at % 2 * 4);
+            }
+            Code { list, coordinates: &coordinates, fine: &fine }.append_to(&mut codes);
         }
-        codes.lists.extend(lists);
+        codes
     }
 
     /// The point that a code stands for.
@@ -220,12 +250,12 @@ fn centroids(sample: &[f32], dimension: usize, lists: usize) -> (Vec<f32>, Block
 fn blocks_of(points: &[f32], dimension: usize) -> (Blocks<i16>, f32) {
     let rows = || points.chunks_exact(dimension);
     let unit = unit(rows().map(|point| length(point.iter().copied())).fold(0.0, f32::max));
-    let mut blocks = BlocksBuilder::new(rows().len().div_ceil(super::blocks::BLOCK), dimension);
+    let mut blocks = Blocks::new(rows().len().div_ceil(super::blocks::BLOCK), dimension);
     for (index, point) in rows().enumerate() {
         let coordinates: Vec<i16> = point.iter().map(|&value| whole(value, unit)).collect();
         blocks.put(index, index as u32, &coordinates, length(point.iter().copied()).powi(2));
     }
-    (blocks.build(), unit)
+    (blocks, unit)
 }
 
 /// For each of n × dimension row-major points the nearest centroid, of equal ones the first.

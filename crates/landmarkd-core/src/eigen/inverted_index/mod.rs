@@ -16,23 +16,23 @@ mod queries;
 
 use std::sync::Arc;
 
-pub use blocks::BLOCK;
-use blocks::{Blocks, BlocksBuilder};
+use blocks::{BLOCK, Blocks};
 use candidates::Candidates;
-pub use codebook::{Codebook, Codes, fine_length};
+pub use codebook::{Code, Codebook};
 use queries::{Tiles, WholeQueries};
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::neighbours::{Neighbour, dot};
-use crate::column::Column;
 
 /// Below this many eigenpoints all lists are probed.
 const EXACT_BELOW: usize = 4096;
 /// Eigenpoints of a list, where all lists are probed.
 const SHORT_LIST: usize = 64;
-/// Lists that a query probes.
+/// Lists that a query probes at least.
 const PROBES: usize = 64;
+/// Eigenpoints in the lists that a query probes, about, at least.
+const LEAST_PROBED: usize = 256;
 /// Of them, those that are probed before all others.
 const FIRST_PROBES: usize = 3;
 /// Candidates that are measured finely beside a quarter more than are asked for.
@@ -47,158 +47,17 @@ pub fn lists_for(count: usize) -> usize {
     }
 }
 
-/// A set of eigenpoints in lists, segment by segment.
+/// A set of eigenpoints in lists.
 #[derive(Clone)]
 pub struct InvertedIndex {
     codebook: Arc<Codebook>,
-    segments: Vec<Segment>,
-}
-
-/// Eigenpoints that were added together, in lists.
-#[derive(Clone)]
-pub struct Segment {
-    /// How many there are.
+    /// How many eigenpoints there are.
     count: usize,
     /// The blocks of each list: from one number to the next. One more than there are lists.
-    starts: Column<u32>,
+    starts: Vec<u32>,
     blocks: Blocks<i8>,
     /// Place by place what the codes leave.
-    fine: Column<u8>,
-}
-
-/// A segment as it is kept.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SegmentColumns {
-    /// Lists + 1: where the blocks of each list start.
-    pub starts: Column<u32>,
-    /// Blocks × pairs of coordinates × [`BLOCK`] × 2.
-    pub codes: Column<i8>,
-    /// Blocks × [`BLOCK`] × [`fine_length`]: what the codes leave.
-    pub fine: Column<u8>,
-    /// Blocks × [`BLOCK`]: ‖t‖² of each eigenpoint by its code, infinite where none is.
-    pub squares: Column<f32>,
-    /// Blocks × [`BLOCK`]: which of the segment's eigenpoints it is, u32::MAX where none is.
-    pub indices: Column<u32>,
-}
-
-impl Segment {
-    /// The eigenpoints of codes, list by list.
-    ///
-    /// # Panics
-    /// If they are not of that codebook, or more than a u32 counts.
-    pub fn new(codebook: &Codebook, codes: &Codes) -> Segment {
-        let (count, lists, dimension) = (codes.lists.len(), codebook.lists(), codebook.dimension());
-        assert!(count < u32::MAX as usize && codes.codes.len() == count * dimension, "codes of the codebook");
-        let mut sizes = vec![0_usize; lists];
-        codes.lists.iter().for_each(|&list| sizes[list as usize] += 1);
-        let mut starts = vec![0_u32];
-        sizes.iter().for_each(|size| starts.push(starts[starts.len() - 1] + size.div_ceil(BLOCK) as u32));
-        let mut blocks = BlocksBuilder::new(starts[lists] as usize, dimension);
-        let mut next: Vec<usize> = starts[..lists].iter().map(|&block| block as usize * BLOCK).collect();
-        let length = fine_length(dimension);
-        let mut fine = vec![0; starts[lists] as usize * BLOCK * length];
-        for (index, (code, &list)) in codes.codes.chunks_exact(dimension).zip(&codes.lists).enumerate() {
-            let list = list as usize;
-            let square: f32 = codebook.decoded(list, code).map(|v| v * v).sum();
-            blocks.put(next[list], index as u32, code, square);
-            fine[next[list] * length..][..length].copy_from_slice(&codes.fine[index * length..][..length]);
-            next[list] += 1;
-        }
-        Segment { count, starts: starts.into(), blocks: blocks.build(), fine: fine.into() }
-    }
-
-    /// A segment as it was kept; `None` if its columns are not those of one of that codebook.
-    pub fn of_columns(codebook: &Codebook, columns: SegmentColumns) -> Option<Segment> {
-        let SegmentColumns { starts, codes, fine, squares, indices } = columns;
-        let blocks = Blocks::of_columns(codebook.dimension(), codes, squares, indices)?;
-        let is_whole = starts.len() == codebook.lists() + 1
-            && starts.first() == Some(&0)
-            && starts.is_sorted()
-            && starts.last().is_some_and(|&end| end as usize == blocks.count())
-            && fine.len() == blocks.count() * BLOCK * fine_length(codebook.dimension());
-        if !is_whole {
-            return None;
-        }
-        let (_, squares, indices) = blocks.columns();
-        let held: Vec<u32> = indices.iter().copied().filter(|&index| index != blocks::EMPTY).collect();
-        let mut seen = vec![false; held.len()];
-        for &index in &held {
-            // each once
-            if std::mem::replace(seen.get_mut(index as usize)?, true) {
-                return None;
-            }
-        }
-        let is_sound =
-            |(square, &index): (&f32, &u32)| (index == blocks::EMPTY) == (*square == f32::INFINITY);
-        let sound = squares.iter().zip(indices.iter()).all(is_sound) && squares.iter().all(|s| *s >= 0.0);
-        sound.then(|| Segment { count: held.len(), starts, blocks, fine })
-    }
-
-    /// What it is kept as.
-    pub fn columns(&self) -> SegmentColumns {
-        let (codes, squares, indices) = self.blocks.columns();
-        SegmentColumns {
-            starts: self.starts.clone(),
-            codes: codes.clone(),
-            fine: self.fine.clone(),
-            squares: squares.clone(),
-            indices: indices.clone(),
-        }
-    }
-
-    /// How many eigenpoints there are.
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Memory that it takes, in bytes.
-    pub fn bytes(&self) -> usize {
-        self.starts.bytes() + self.blocks.bytes() + self.fine.bytes()
-    }
-
-    /// The lists and codes of its eigenpoints, in their order.
-    pub fn codes(&self, dimension: usize) -> Codes {
-        let pairs = fine_length(dimension);
-        let mut codes = Codes {
-            lists: vec![0; self.count],
-            codes: vec![0; self.count * dimension],
-            fine: vec![0; self.count * pairs],
-        };
-        let (numbers, _, indices) = self.blocks.columns();
-        let rows = numbers.as_chunks::<2>().0.as_chunks::<BLOCK>().0;
-        for (list, blocks) in self.starts.windows(2).enumerate() {
-            for place in blocks[0] as usize * BLOCK..blocks[1] as usize * BLOCK {
-                let index = indices[place] as usize;
-                if indices[place] == blocks::EMPTY {
-                    continue;
-                }
-                codes.lists[index] = list as u32;
-                let code = codes.codes[index * dimension..][..dimension].chunks_mut(2);
-                for (code, row) in code.zip(&rows[place / BLOCK * pairs..]) {
-                    code.copy_from_slice(&row[place % BLOCK][..code.len()]);
-                }
-                codes.fine[index * pairs..][..pairs].copy_from_slice(&self.fine[place * pairs..][..pairs]);
-            }
-        }
-        codes
-    }
-
-    /// Places for eigenpoints, taken or not.
-    fn places(&self) -> usize {
-        self.blocks.count() * BLOCK
-    }
-
-    /// Writes the eigenpoint of a place as it is kept, and returns its index.
-    #[inline(always)]
-    fn decode(&self, codebook: &Codebook, place: usize, point: &mut [f32]) -> u32 {
-        let (codes, _, indices) = self.blocks.columns();
-        let list = self.starts.partition_point(|&start| start as usize <= place / BLOCK) - 1;
-        let pairs = fine_length(codebook.dimension());
-        let block = codes.as_chunks::<2>().0.as_chunks::<BLOCK>().0;
-        let code = block[place / BLOCK * pairs..][..pairs].iter().map(|row| &row[place % BLOCK]);
-        codebook.decode_finely(list, code, &self.fine[place * pairs..][..pairs], point);
-        indices[place]
-    }
+    fine: Vec<u8>,
 }
 
 impl InvertedIndex {
@@ -216,20 +75,81 @@ impl InvertedIndex {
     /// As [`InvertedIndex::new`], or if `lists` is 0.
     pub fn with_lists(points: &[f32], dimension: usize, lists: usize) -> InvertedIndex {
         let codebook = Codebook::fit(points, dimension, lists);
-        let mut codes = Codes::default();
-        codebook.encode(points, &mut codes);
-        let segment = Segment::new(&codebook, &codes);
-        InvertedIndex { codebook: Arc::new(codebook), segments: vec![segment] }
+        let codes = codebook.encode(points);
+        InvertedIndex::of_codes(Arc::new(codebook), &codes, Code::length(dimension))
     }
 
-    /// The index of segments of one codebook; their eigenpoints are numbered on from one to the next.
+    /// The index of the eigenpoints whose codes start rows of `row_length` bytes.
     ///
     /// # Panics
-    /// If there are more than a u32 counts.
-    pub fn of_segments(codebook: Arc<Codebook>, segments: Vec<Segment>) -> InvertedIndex {
-        let index = InvertedIndex { codebook, segments };
-        assert!(index.count() < u32::MAX as usize, "eigenpoints are numbered by u32");
-        index
+    /// If the codes are not of that codebook, or more than a u32 counts.
+    pub fn of_codes(codebook: Arc<Codebook>, rows: &[u8], row_length: usize) -> InvertedIndex {
+        let (lists, dimension) = (codebook.lists(), codebook.dimension());
+        let code = |index: usize| Code::of_row(&rows[index * row_length..][..row_length], dimension);
+        let count = rows.len() / row_length;
+        assert!(count < u32::MAX as usize, "eigenpoints are numbered by u32");
+        let mut ends = vec![0_usize; lists];
+        (0..count).for_each(|index| ends[code(index).list as usize] += 1);
+        let (mut starts, mut before) = (vec![0_u32], 0);
+        for end in &mut ends {
+            starts.push(starts[starts.len() - 1] + end.div_ceil(BLOCK) as u32);
+            before += *end;
+            *end = before;
+        }
+        // list by list, so that a block is filled while it is in the cache
+        let mut order = vec![0_u32; count];
+        for index in (0..count).rev() {
+            let end = &mut ends[code(index).list as usize];
+            *end -= 1;
+            order[*end] = index as u32;
+        }
+        let mut blocks = Blocks::new(starts[lists] as usize, dimension);
+        let length = dimension.div_ceil(2);
+        let mut fine = vec![0; starts[lists] as usize * BLOCK * length];
+        for (list, &first) in ends.iter().enumerate() {
+            let own = &order[first..ends.get(list + 1).copied().unwrap_or(count)];
+            for (place, &index) in (starts[list] as usize * BLOCK..).zip(own) {
+                let code = code(index as usize);
+                let square = codebook.decoded(list, code.coordinates).map(|v| v * v).sum();
+                blocks.put(place, index, code.coordinates, square);
+                fine[place * length..][..length].copy_from_slice(code.fine);
+            }
+        }
+        InvertedIndex { codebook, count, starts, blocks, fine }
+    }
+
+    /// The codes of the eigenpoints, in their order: of each [`Code::length`] bytes.
+    pub fn codes(&self) -> Vec<u8> {
+        let dimension = self.codebook.dimension();
+        let (length, pairs) = (Code::length(dimension), dimension.div_ceil(2));
+        let mut codes = vec![0; self.count * length];
+        let (mut coordinates, mut row) = (vec![0; 2 * pairs], Vec::with_capacity(length));
+        for (list, blocks) in self.starts.windows(2).enumerate() {
+            for place in blocks[0] as usize * BLOCK..blocks[1] as usize * BLOCK {
+                let index = self.blocks.index(place);
+                if index != blocks::EMPTY {
+                    let pairs_of =
+                        coordinates.as_chunks_mut::<2>().0.iter_mut().zip(self.blocks.point(place));
+                    pairs_of.for_each(|(coordinates, pair)| *coordinates = *pair);
+                    let fine = &self.fine[place * pairs..][..pairs];
+                    row.clear();
+                    Code { list: list as u32, coordinates: &coordinates[..dimension], fine }
+                        .append_to(&mut row);
+                    codes[index as usize * length..][..length].copy_from_slice(&row);
+                }
+            }
+        }
+        codes
+    }
+
+    /// Writes the eigenpoint of a place as it is kept, and returns its index.
+    #[inline(always)]
+    fn decode(&self, place: usize, point: &mut [f32]) -> u32 {
+        let list = self.starts.partition_point(|&start| start as usize <= place / BLOCK) - 1;
+        let pairs = self.codebook.dimension().div_ceil(2);
+        let fine = &self.fine[place * pairs..][..pairs];
+        self.codebook.decode_finely(list, self.blocks.point(place), fine, point);
+        self.blocks.index(place)
     }
 
     /// The centroids and steps.
@@ -237,14 +157,9 @@ impl InvertedIndex {
         &self.codebook
     }
 
-    /// The segments, in their order.
-    pub fn segments(&self) -> &[Segment] {
-        &self.segments
-    }
-
     /// How many eigenpoints there are.
     pub fn count(&self) -> usize {
-        self.segments.iter().map(Segment::count).sum()
+        self.count
     }
 
     /// How many lists there are.
@@ -254,7 +169,7 @@ impl InvertedIndex {
 
     /// Memory that it takes, in bytes: of each eigenpoint a byte and a half a coordinate, 8 more, and a little.
     pub fn bytes(&self) -> usize {
-        self.codebook.bytes() + self.segments.iter().map(Segment::bytes).sum::<usize>()
+        self.codebook.bytes() + size_of_val(&self.starts[..]) + self.blocks.bytes() + self.fine.len()
     }
 
     /// The `count` nearest eigenpoints of each of n × dimension row-major queries, all finite, among the lists nearest
@@ -266,7 +181,11 @@ impl InvertedIndex {
     /// # Panics
     /// If `queries` is not a whole number of them, or `count` is 0.
     pub fn nearest_several(&self, queries: &[f32], count: usize) -> Vec<Neighbour> {
-        let probes = if self.count() < EXACT_BELOW { self.lists() } else { PROBES };
+        // more of them where few eigenpoints are in the lists of many
+        let probes = match self.count() {
+            count if count < EXACT_BELOW => self.lists(),
+            count => PROBES.max(self.lists() * LEAST_PROBED / count),
+        };
         self.nearest_several_probing(queries, count, probes)
     }
 
@@ -319,7 +238,7 @@ impl InvertedIndex {
         let mut nearest: Vec<Candidates> = (0..whole.count()).map(|_| Candidates::new(probes)).collect();
         let mut tiles = Tiles::default();
         tiles.fill(&whole, unit, (0..whole.count() as u32).map(|number| (number, 0.0)));
-        blocks.scan(0..blocks.count(), 0, &tiles, &mut nearest);
+        blocks.scan(0..blocks.count(), &tiles, &mut nearest);
         let mut probed = [(); 2].map(|()| Vec::with_capacity(whole.count() * probes));
         let queries = queries.chunks_exact(dimension);
         for (number, (query, nearest)) in queries.zip(&mut nearest).enumerate() {
@@ -347,12 +266,8 @@ impl InvertedIndex {
         for probed in probed.chunk_by(|a, b| a.list == b.list) {
             let list = probed[0].list as usize;
             tiles.fill(whole, 1.0, probed.iter().map(|probe| (probe.query, probe.offset)));
-            let mut first = 0;
-            for segment in &self.segments {
-                let blocks = segment.starts[list] as usize..segment.starts[list + 1] as usize;
-                segment.blocks.scan(blocks, first, tiles, candidates);
-                first += segment.places();
-            }
+            let blocks = self.starts[list] as usize..self.starts[list + 1] as usize;
+            self.blocks.scan(blocks, tiles, candidates);
         }
     }
 }
@@ -375,17 +290,8 @@ impl WithSimd for Measure<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         self.measured.clear();
         for (_, place) in self.candidates.nearest() {
-            let (mut place, mut before) = (place as usize, 0);
-            for segment in &self.index.segments {
-                if place < segment.places() {
-                    let index = segment.decode(&self.index.codebook, place, self.point);
-                    let square = square_distance(self.query, self.point);
-                    self.measured.push((square, before + index as usize));
-                    break;
-                }
-                place -= segment.places();
-                before += segment.count;
-            }
+            let index = self.index.decode(place as usize, self.point);
+            self.measured.push((square_distance(self.query, self.point), index as usize));
         }
     }
 }
@@ -436,11 +342,10 @@ mod tests {
 
     /// The eigenpoints as they are kept.
     fn kept(index: &InvertedIndex) -> Vec<f32> {
-        let segment = &index.segments()[0];
-        let mut points = vec![vec![]; segment.count()];
-        for place in 0..segment.places() {
+        let mut points = vec![vec![]; index.count()];
+        for place in 0..index.blocks.count() * BLOCK {
             let mut point = vec![0.0; DIMENSION];
-            let index = segment.decode(index.codebook(), place, &mut point);
+            let index = index.decode(place, &mut point);
             if index != blocks::EMPTY {
                 points[index as usize] = point;
             }
@@ -540,52 +445,16 @@ mod tests {
     }
 
     #[test]
-    fn an_index_repeats_and_its_columns_make_it_anew() {
+    fn an_index_repeats_and_its_codes_make_it_anew() {
         let (points, queries) = (clustered(6000, 8), clustered(8, 9));
         let build = || InvertedIndex::new(&points, DIMENSION);
         let (a, b) = (build(), build());
-        assert_eq!(a.segments()[0].columns(), b.segments()[0].columns());
-        let again = rebuilt(&a, |_| ()).unwrap();
+        assert_eq!(a.codes(), b.codes());
+        let codebook = a.codebook();
+        let again = Codebook::of_parts(codebook.centroids().to_vec(), codebook.steps().to_vec()).unwrap();
+        let again = InvertedIndex::of_codes(Arc::new(again), &a.codes(), Code::length(DIMENSION));
         assert_eq!(again.nearest_several(&queries, 31), a.nearest_several(&queries, 31));
         assert_eq!(kept(&again), kept(&a));
-        let codes = a.segments()[0].codes(DIMENSION);
-        assert_eq!(Segment::new(a.codebook(), &codes).columns(), a.segments()[0].columns());
-        let damages: [fn(&mut SegmentColumns); 8] = [
-            |c| c.fine = c.fine[1..].to_vec().into(),
-            |c| c.starts = c.starts[1..].to_vec().into(),
-            |c| c.starts = c.starts.iter().rev().copied().collect::<Vec<_>>().into(),
-            |c| c.codes = c.codes[2..].to_vec().into(),
-            |c| c.squares = c.squares[BLOCK..].to_vec().into(),
-            |c| c.squares = vec![f32::NAN; c.squares.len()].into(),
-            |c| c.squares = vec![1.0; c.squares.len()].into(),
-            |c| c.indices = c.indices.iter().map(|index| index / 2).collect::<Vec<_>>().into(),
-        ];
-        for (number, damage) in damages.into_iter().enumerate() {
-            assert!(rebuilt(&a, damage).is_none(), "damage {number} went through");
-        }
-    }
-
-    fn rebuilt(index: &InvertedIndex, change: impl Fn(&mut SegmentColumns)) -> Option<InvertedIndex> {
-        let codebook = index.codebook();
-        let kept = Codebook::of_parts(codebook.centroids().to_vec(), codebook.steps().to_vec())?;
-        let mut columns = index.segments()[0].columns();
-        change(&mut columns);
-        let segment = Segment::of_columns(&kept, columns)?;
-        Some(InvertedIndex::of_segments(Arc::new(kept), vec![segment]))
-    }
-
-    #[test]
-    fn segments_answer_as_one() {
-        let (points, queries) = (clustered(9000, 5), clustered(50, 6));
-        let whole = InvertedIndex::new(&points, DIMENSION);
-        let codebook = whole.codebook();
-        let segments = points.chunks(4000 * DIMENSION).map(|points| {
-            let mut codes = Codes::default();
-            codebook.encode(points, &mut codes);
-            Segment::new(codebook, &codes)
-        });
-        let parted = InvertedIndex::of_segments(Arc::clone(codebook), segments.collect());
-        assert_eq!((parted.segments().len(), parted.count()), (3, 9000));
-        assert_eq!(parted.nearest_several(&queries, 31), whole.nearest_several(&queries, 31));
+        assert_eq!(again.codes(), a.codes());
     }
 }

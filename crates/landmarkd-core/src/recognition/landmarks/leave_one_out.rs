@@ -2,7 +2,8 @@
 //! alike. With gradient signatures.
 
 use super::model::{Exemplar, Landmarks, Windows};
-use super::multiscale;
+use super::multiscale::asked_frame::AskedFrame;
+use super::multiscale::recognise_among;
 use super::recognition::PointVote;
 use crate::imaging::Frame;
 use crate::statistics::median;
@@ -41,10 +42,11 @@ pub fn exemplars_to_leave_out(model: &Landmarks) -> Vec<usize> {
 /// Asks for the picture of the exemplar of this id with that exemplar left out; `None` if there is no such exemplar, or
 /// its database has other signatures.
 pub fn left_out(model: &Landmarks, id: &str, frame: &Frame) -> Option<LeftOut> {
-    let Windows::Encoded(taught) = &model.windows else { return None };
+    let Windows::Encoded(windows) = &model.windows else { return None };
     let exemplar = model.exemplars.iter().position(|exemplar| exemplar.id == id)?;
     let label = model.exemplars[exemplar].label.clone();
-    let recognition = multiscale::recognise(model, taught, Some(exemplar), frame, |_| ());
+    let asked = AskedFrame::of(model, &windows.exemplars, frame, |_| ());
+    let recognition = recognise_among(model, windows, Some(exemplar), &asked, |_| ());
     let decided = recognition.decision.iter().map(|decision| &decision.label);
     let labels: Vec<&String> = decided.chain(recognition.also.iter().map(|also| &also.label)).collect();
     let other = |e: &Exemplar| e.label == label && e.id != id;

@@ -45,7 +45,7 @@ pub use held_out::{CalibrationPlan, calibration_samples, correct_decisions, name
 pub use homography::Homography;
 pub use leave_one_out::{LeftOut, exemplars_to_leave_out, left_out};
 pub use model::{Exemplar, Landmarks};
-pub use multiscale::encoded_windows::SegmentParts;
+pub use multiscale::asked_frame::{AskedFrame, KeptExemplar};
 pub use multiscale::window_space::{EncodedExemplar, WindowSample, WindowSpace, residual_of, sample_plan};
 pub use options::{
     Colour, LandmarkOptions, Method, Normalise, Operator, PerLabel, Preset, Signature, Taper, Viewpoint,

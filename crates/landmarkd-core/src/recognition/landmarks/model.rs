@@ -1,9 +1,12 @@
 //! A trained landmark database: an immutable value that recognises frames.
 
+use std::sync::Arc;
+
 use super::confidence::{CalibrationSample, Confidence, Reliability};
 use super::description::{Describer, ExemplarName, Window};
 use super::edge_template::EdgePoint;
 use super::held_out::CalibrationPlan;
+use super::multiscale::encoded_exemplars::EncodedExemplars;
 use super::multiscale::encoded_windows::EncodedWindows;
 use super::options::LandmarkOptions;
 use super::recognise::recognise;
@@ -65,6 +68,8 @@ pub(super) enum Windows {
     Plain(PlainWindows),
     /// With signatures of gradients.
     Encoded(Box<EncodedWindows>),
+    /// The same, where their exemplars are known and they are not here.
+    Elsewhere(Box<EncodedExemplars>),
 }
 
 /// Windows with all that was computed of them.
@@ -88,19 +93,33 @@ impl PlainWindows {
 }
 
 impl Windows {
-    /// How many there are.
+    /// The exemplars of gradient signatures.
+    pub fn encoded(&self) -> Option<&EncodedExemplars> {
+        match self {
+            Windows::Plain(_) => None,
+            Windows::Encoded(windows) => Some(&windows.exemplars),
+            Windows::Elsewhere(exemplars) => Some(exemplars),
+        }
+    }
+
+    /// How many are here.
     pub fn count(&self) -> usize {
         match self {
             Windows::Plain(plain) => plain.windows.len(),
-            Windows::Encoded(taught) => taught.index().count(),
+            Windows::Encoded(windows) => windows.index().count(),
+            Windows::Elsewhere(_) => 0,
         }
     }
 
     /// The index of a window's exemplar.
+    ///
+    /// # Panics
+    /// If the window is not here.
     pub fn exemplar(&self, window: usize) -> usize {
         match self {
             Windows::Plain(plain) => plain.windows[window].exemplar as usize,
-            Windows::Encoded(taught) => taught.exemplar(window),
+            Windows::Encoded(windows) => windows.exemplar(window),
+            Windows::Elsewhere(_) => panic!("window {window} is elsewhere"),
         }
     }
 
@@ -108,7 +127,8 @@ impl Windows {
     pub fn bytes(&self) -> usize {
         match self {
             Windows::Plain(plain) => plain.bytes(),
-            Windows::Encoded(taught) => taught.bytes(),
+            Windows::Encoded(windows) => windows.bytes(),
+            Windows::Elsewhere(exemplars) => exemplars.bytes(),
         }
     }
 }
@@ -117,11 +137,13 @@ impl Windows {
 pub struct Landmarks {
     /// The colour is resolved, never `Auto`.
     pub(super) options: LandmarkOptions,
-    pub(super) describer: Describer,
+    pub(super) describer: Arc<Describer>,
     /// Sorted by label, then id.
     pub(super) exemplars: Vec<Exemplar>,
     pub(super) eigenspace: Eigenspace,
     pub(super) windows: Windows,
+    /// Exemplars of the database that these are chosen from: so many may agree with a frame by accident.
+    pub(super) chosen_from: usize,
     /// `None` before calibration.
     pub(super) confidence: Option<Confidence>,
 }
@@ -135,8 +157,9 @@ impl Landmarks {
         windows: Windows,
         confidence: Option<Confidence>,
     ) -> Landmarks {
-        let describer = Describer::new(&options);
-        Landmarks { options, describer, exemplars, eigenspace, windows, confidence }
+        let describer = Arc::new(Describer::new(&options));
+        let chosen_from = exemplars.len();
+        Landmarks { options, describer, exemplars, eigenspace, windows, chosen_from, confidence }
     }
 
     /// The training images, sorted by label, then id.
@@ -186,6 +209,9 @@ impl Landmarks {
     ///
     /// The decision is `None` if its probability of being right is below the database's threshold. A database that
     /// isn't calibrated has no threshold and always decides for the best vote.
+    ///
+    /// # Panics
+    /// If its windows are elsewhere ([`Landmarks::has_windows`]).
     pub fn recognise(&self, frame: &Frame, finished: impl FnMut(Stage)) -> Recognition {
         recognise(self, None, frame, finished)
     }

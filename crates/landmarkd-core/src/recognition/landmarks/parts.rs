@@ -11,12 +11,14 @@ use super::description::{Describer, Window};
 use super::edge_template::EdgePoint;
 use super::model::{Exemplar, Landmarks, PlainWindows, TrainedWindow, Windows};
 use super::multiscale::description::{MOST_LEVELS, ScaleSpaceDescriber};
-use super::multiscale::encoded_windows::{EncodedWindows, SegmentParts};
+use super::multiscale::encoded_exemplars::{EncodedExemplars, Encoding, window_length};
+use super::multiscale::encoded_windows::EncodedWindows;
 use super::multiscale::phase_space::{BASIS_LENGTH, PhaseSpace};
+use super::multiscale::vlad::{DESCRIPTOR_LENGTH, Vlad};
 use super::multiscale::window_space::{MOST_FITTED, unit_px};
 use super::options::{Colour, LandmarkOptions, Signature};
 use super::position_prior::{row_length, with_positions, without_positions};
-use crate::eigen::{Codebook, Codes, EigenError, EigenpointIndex, Eigenspace, Segment, lists_for};
+use crate::eigen::{Codebook, EigenError, EigenpointIndex, Eigenspace, lists_for};
 use crate::recognition::OptionFault;
 use crate::vision::InterestPoint;
 use crate::vision::gradient_signature::SPECTRUM_LENGTH;
@@ -81,8 +83,12 @@ pub struct EncodedParts {
     pub steps: Vec<f32>,
     /// 56 directions × 2 × 36: real and imaginary parts of the channels, frequency by frequency.
     pub phase_basis: Vec<f32>,
-    /// Exemplars that were taught together, with their windows.
-    pub segments: Vec<SegmentParts>,
+    /// 64 centroids at most × dimension, row-major, of eigenpoints times λ^-¼ of each direction.
+    pub vlad_centroids: Vec<f32>,
+    /// Of each exemplar 256 bytes.
+    pub descriptors: Vec<u8>,
+    /// A row a window, exemplar by exemplar; `None`: they are elsewhere.
+    pub rows: Option<Vec<u8>>,
 }
 
 /// What is wrong with the parts of a landmark database.
@@ -143,15 +149,23 @@ impl From<&Landmarks> for LandmarkParts {
             confidence: model.confidence,
             windows: match &model.windows {
                 Windows::Plain(plain) => WindowParts::Plain(plain_parts(model, plain)),
-                Windows::Encoded(taught) => WindowParts::Encoded(EncodedParts {
-                    centroids: taught.index().codebook().centroids().to_vec(),
-                    steps: taught.index().codebook().steps().to_vec(),
-                    phase_basis: taught.phases.basis().to_vec(),
-                    segments: taught.parts(),
-                }),
+                Windows::Encoded(windows) => encoded_parts(&windows.exemplars, Some(windows.rows())),
+                Windows::Elsewhere(exemplars) => encoded_parts(exemplars, None),
             },
         }
     }
+}
+
+fn encoded_parts(exemplars: &EncodedExemplars, rows: Option<Vec<u8>>) -> WindowParts {
+    let EncodedExemplars { encoding: Encoding { codebook, phases, vlad }, descriptors, .. } = exemplars;
+    WindowParts::Encoded(EncodedParts {
+        centroids: codebook.centroids().to_vec(),
+        steps: codebook.steps().to_vec(),
+        phase_basis: phases.basis().to_vec(),
+        vlad_centroids: vlad.centroids().to_vec(),
+        descriptors: descriptors.as_flattened().to_vec(),
+        rows,
+    })
 }
 
 fn plain_parts(model: &Landmarks, plain: &PlainWindows) -> PlainParts {
@@ -183,13 +197,13 @@ impl TryFrom<LandmarkParts> for Landmarks {
                 match signature {
                     Signature::Intensity => Windows::Plain(plain.assemble(&options, dimension)),
                     Signature::Gradient => {
-                        let taught = plain.taught(&options, &exemplars, dimension);
-                        Windows::Encoded(taught.assemble(&options, &exemplars, dimension)?.into())
+                        let encoded = plain.encoded(&options, &exemplars, &eigenspace.eigenvalues)?;
+                        encoded.assemble(&options, &exemplars, &eigenspace.eigenvalues)?
                     }
                 }
             }
-            (WindowParts::Encoded(taught), Signature::Gradient) => {
-                Windows::Encoded(taught.assemble(&options, &exemplars, dimension)?.into())
+            (WindowParts::Encoded(encoded), Signature::Gradient) => {
+                encoded.assemble(&options, &exemplars, &eigenspace.eigenvalues)?
             }
             (WindowParts::Encoded(_), Signature::Intensity) => return Err(PartsError::Signature),
         };
@@ -335,59 +349,82 @@ impl PlainParts {
     }
 
     /// The windows of parts that are sound and have gradients, in lists.
-    fn taught(&self, options: &LandmarkOptions, exemplars: &[Exemplar], dimension: usize) -> EncodedParts {
+    fn encoded(
+        &self,
+        options: &LandmarkOptions,
+        exemplars: &[Exemplar],
+        eigenvalues: &[f64],
+    ) -> Result<EncodedParts, PartsError> {
+        let dimension = eigenvalues.len();
         let codebook = Codebook::fit(&self.eigenpoints, dimension, lists_for(self.owner.len()));
         let stride = self.owner.len().div_ceil(MOST_FITTED);
         let spectra = self.spectra.chunks_exact(SPECTRUM_LENGTH).step_by(stride).flatten();
-        let phases = PhaseSpace::fit(&spectra.copied().collect::<Vec<i8>>());
-        let mut codes = Codes::default();
-        codebook.encode(&self.eigenpoints, &mut codes);
-        let place = |(&[x_px, y_px, _], &owner): (&[f32; 3], &u32)| {
+        let phases = PhaseSpace::fit(&spectra.copied().collect::<Vec<i8>>()).ok_or(PartsError::Lists)?;
+        let vlad = Vlad::fit(&self.eigenpoints, eigenvalues);
+        let place = |((&[x_px, y_px, _], &owner), &level): ((&[f32; 3], &u32), &u8)| {
             let unit_px = unit_px(exemplars[owner as usize].working_size_px(options));
-            [x_px, y_px].map(|at| (at / unit_px).round() as u16)
+            ([x_px, y_px].map(|at| (at / unit_px).round() as u16), level)
         };
-        let positions: Vec<u16> = self.points.as_chunks().0.iter().zip(&self.owner).flat_map(place).collect();
-        let starts: Vec<u32> = (0..=exemplars.len() as u32)
-            .map(|exemplar| self.owner.partition_point(|&owner| owner < exemplar) as u32)
-            .collect();
-        let kept = phases.as_ref().map_or_else(Vec::new, |phases| phases.kept(&self.spectra));
-        EncodedParts {
-            centroids: codebook.centroids().to_vec(),
-            steps: codebook.steps().to_vec(),
-            phase_basis: phases.map_or_else(Vec::new, |phases| phases.basis().to_vec()),
-            segments: vec![SegmentParts {
-                lists: Segment::new(&codebook, &codes).columns(),
-                positions: positions.into(),
-                levels: self.radius.clone().into(),
-                phases: kept.into(),
-                starts: starts.into(),
-                exemplars: (0..exemplars.len() as u32).collect(),
-            }],
-        }
+        let windows = self.points.as_chunks().0.iter().zip(&self.owner).zip(&self.radius).map(place);
+        let mut left = &self.eigenpoints[..];
+        let descriptor = |exemplar: &Exemplar| {
+            let (own, others) = left.split_at(exemplar.windows * dimension);
+            left = others;
+            vlad.descriptor(own)
+        };
+        let descriptors = exemplars.iter().flat_map(descriptor).collect();
+        let (codebook, phases, vlad) = (Arc::new(codebook), Arc::new(phases), Arc::new(vlad));
+        let encoding = Encoding { codebook, phases, vlad };
+        Ok(EncodedParts {
+            centroids: encoding.codebook.centroids().to_vec(),
+            steps: encoding.codebook.steps().to_vec(),
+            phase_basis: encoding.phases.basis().to_vec(),
+            vlad_centroids: encoding.vlad.centroids().to_vec(),
+            descriptors,
+            rows: Some(encoding.rows(&self.eigenpoints, windows, &self.spectra)),
+        })
     }
 }
 
 impl EncodedParts {
+    /// Bytes of a window's row, with eigenpoints of so many coordinates.
+    pub fn row_length(dimension: usize) -> usize {
+        window_length(dimension)
+    }
+
     fn assemble(
         self,
         options: &LandmarkOptions,
         exemplars: &[Exemplar],
-        dimension: usize,
-    ) -> Result<EncodedWindows, PartsError> {
+        eigenvalues: &[f64],
+    ) -> Result<Windows, PartsError> {
         check_lengths([
-            ("steps", dimension, self.steps.len()),
+            ("steps", eigenvalues.len(), self.steps.len()),
             ("phase_basis", BASIS_LENGTH, self.phase_basis.len()),
+            ("descriptors", exemplars.len() * DESCRIPTOR_LENGTH, self.descriptors.len()),
         ])?;
         check_numbers([
             ("steps", small(&self.steps) && self.steps.iter().all(|step| *step > 0.0)),
             ("phase_basis", small(&self.phase_basis)),
             ("centroids", small(&self.centroids)),
+            ("vlad_centroids", small(&self.vlad_centroids)),
         ])?;
         let codebook = Codebook::of_parts(self.centroids, self.steps).ok_or(PartsError::Lists)?;
         let phases = PhaseSpace::of_basis(self.phase_basis).ok_or(PartsError::Lists)?;
-        let describer = ScaleSpaceDescriber::new(options);
-        EncodedWindows::of_parts(describer, Arc::new(phases), Arc::new(codebook), self.segments, exemplars)
-            .ok_or(PartsError::Lists)
+        let vlad = Vlad::of_centroids(self.vlad_centroids, eigenvalues).ok_or(PartsError::Lists)?;
+        let (codebook, phases, vlad) = (Arc::new(codebook), Arc::new(phases), Arc::new(vlad));
+        let encoded = EncodedExemplars {
+            describer: Arc::new(ScaleSpaceDescriber::new(options)),
+            encoding: Encoding { codebook, phases, vlad },
+            descriptors: self.descriptors.as_chunks().0.to_vec(),
+        };
+        Ok(match self.rows {
+            None => Windows::Elsewhere(encoded.into()),
+            Some(rows) => {
+                let windows = EncodedWindows::of_rows(encoded, &rows, exemplars).ok_or(PartsError::Lists)?;
+                Windows::Encoded(windows.into())
+            }
+        })
     }
 }
 

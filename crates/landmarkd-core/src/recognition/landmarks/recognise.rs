@@ -3,7 +3,8 @@
 use super::consensus::hypotheses;
 use super::edge_template::GradientDirections;
 use super::model::{Landmarks, Windows};
-use super::multiscale;
+use super::multiscale::asked_frame::AskedFrame;
+use super::multiscale::recognise_among;
 use super::options::Colour;
 use super::query::{Query, StoppingState};
 use super::recognition::{Decision, Instance, Recognition, Stage};
@@ -23,8 +24,15 @@ pub(super) fn recognise(
     frame: &Frame,
     mut finished: impl FnMut(Stage),
 ) -> Recognition {
-    if let Windows::Encoded(taught) = &model.windows {
-        return multiscale::recognise(model, taught, None, frame, finished);
+    match &model.windows {
+        Windows::Plain(_) => {}
+        Windows::Encoded(windows) => {
+            let asked = AskedFrame::of(model, &windows.exemplars, frame, &mut finished);
+            return recognise_among(model, windows, None, &asked, finished);
+        }
+        Windows::Elsewhere(_) => {
+            panic!("the windows are elsewhere: ask, choose, and recognise among those chosen")
+        }
     }
     let attention = model.describer.attend(frame); // A§4.2
     let mut query = Query::new(model, subset, frame, &attention);

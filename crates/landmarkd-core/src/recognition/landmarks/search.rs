@@ -16,7 +16,8 @@ impl Windows {
         match self {
             Windows::Plain(PlainWindows { index, .. }) if count == 1 => index.nearest(queries),
             Windows::Plain(PlainWindows { index, .. }) => index.nearest_several(queries, count),
-            Windows::Encoded(taught) => taught.index().nearest_several(queries, count),
+            Windows::Encoded(windows) => windows.index().nearest_several(queries, count),
+            Windows::Elsewhere(_) => Vec::new(),
         }
     }
 }

@@ -1,12 +1,15 @@
 //! Training (A§4.1): the signatures of all exemplars, their eigenspace, and the eigenpoints in it.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::confidence::Confidence;
 use super::description::DescribedExemplar;
 use super::model::{Exemplar, Landmarks, Windows};
 use super::multiscale::description::ScaleSpaceDescriber;
-use super::multiscale::encoded_windows::{EncodedWindows, SegmentParts};
+use super::multiscale::encoded_exemplars::EncodedExemplars;
+use super::multiscale::encoded_windows::EncodedWindows;
 use super::multiscale::window_space::{EncodedExemplar, WindowSample, WindowSpace, sample_plan};
 use super::options::{Colour, LandmarkOptions, Signature};
 use super::parts::{PlainParts, coordinates};
@@ -103,66 +106,57 @@ impl Landmarks {
         mut encoded: Vec<EncodedExemplar>,
     ) -> Result<(Landmarks, TrainingReport), TrainingError> {
         encoded.sort_by(|a, b| a.exemplar.sort_key().cmp(&b.exemplar.sort_key()));
-        let exemplars: Vec<Exemplar> = encoded.iter_mut().map(|e| std::mem::take(&mut e.exemplar)).collect();
-        let segment = SegmentParts::of(&space.codebook, encoded);
-        of_segments(space, exemplars, vec![segment])
+        let WindowSpace { options, eigenspace, spectrum, encoding } = space;
+        check_exemplars(encoded.iter().map(|e| &e.exemplar), options.signature)?;
+        let of_exemplars = EncodedExemplars {
+            describer: Arc::new(ScaleSpaceDescriber::new(&options)),
+            encoding,
+            descriptors: encoded.iter().map(|e| e.descriptor).collect(),
+        };
+        let mut rows = Vec::with_capacity(encoded.iter().map(|e| e.rows.len()).sum());
+        let mut exemplars = Vec::with_capacity(encoded.len());
+        for EncodedExemplar { exemplar, rows: own, .. } in encoded {
+            rows.extend(own);
+            exemplars.push(exemplar);
+        }
+        let windows = EncodedWindows::of_rows(of_exemplars, &rows, &exemplars)
+            .ok_or(TrainingError::NoInterestPoints)?;
+        drop(rows);
+        let (windows, confidence) = (Windows::Encoded(windows.into()), Some(Confidence::A_CONTRARIO));
+        let model = Landmarks::assemble(options, exemplars, eigenspace, windows, confidence);
+        let report = report(&model, spectrum);
+        Ok((model, report))
     }
-}
 
-impl Landmarks {
     /// This database with other exemplars beside those it keeps, in the same eigenspace: `added` were encoded in its
     /// [`WindowSpace::of`].
     ///
     /// # Errors
-    /// As [`Landmarks::train`]; [`TrainingError::OtherOptions`] if this database has signatures of intensities.
+    /// As [`Landmarks::train`]; [`TrainingError::OtherOptions`] if this database has signatures of intensities, or its
+    /// windows are elsewhere.
     pub fn grown(
         &self,
         added: Vec<EncodedExemplar>,
         keeps: impl Fn(&Exemplar) -> bool,
     ) -> Result<(Landmarks, TrainingReport), TrainingError> {
-        let (Windows::Encoded(taught), Some(space)) = (&self.windows, WindowSpace::of(self)) else {
+        let (Windows::Encoded(windows), Some(space)) = (&self.windows, WindowSpace::of(self)) else {
             return Err(TrainingError::OtherOptions(self.exemplars[0].id.clone()));
         };
-        let groups = taught.regrouped(&self.exemplars, keeps, added);
-        let mut exemplars: Vec<Exemplar> = groups.iter().flat_map(|(_, own)| own).cloned().collect();
-        exemplars.sort_by(|a, b| a.sort_key().cmp(&b.sort_key()));
-        let of_group = |(part, own): (SegmentParts, Vec<Exemplar>)| {
-            let number = |exemplar: &Exemplar| {
-                exemplars.binary_search_by(|other| other.sort_key().cmp(&exemplar.sort_key()))
-            };
-            SegmentParts {
-                exemplars: own.iter().flat_map(number).map(|index| index as u32).collect(),
-                ..part
+        let (rows, length) = (windows.rows(), space.encoding.row_length());
+        let kept = self.exemplars.iter().enumerate().filter(|(_, exemplar)| keeps(exemplar));
+        let kept = kept.map(|(index, exemplar)| {
+            let own = windows.of_exemplar(index);
+            EncodedExemplar {
+                exemplar: exemplar.clone(),
+                rows: rows[own.start * length..own.end * length].to_vec(),
+                descriptor: windows.exemplars.descriptors[index],
+                energy: [0.0; 2],
             }
-        };
-        let segments = groups.into_iter().map(of_group).collect();
-        of_segments(space, exemplars, segments)
+        });
+        let encoded = kept.chain(added).collect();
+        drop(rows);
+        Landmarks::of_encoded(space, encoded)
     }
-
-    /// Exemplars that were taught together, each with those that were added later.
-    pub fn segments(&self) -> usize {
-        match &self.windows {
-            Windows::Plain(_) => 1,
-            Windows::Encoded(taught) => taught.index().segments().len(),
-        }
-    }
-}
-
-/// The database of sorted exemplars whose windows are in segments.
-fn of_segments(
-    space: WindowSpace,
-    exemplars: Vec<Exemplar>,
-    segments: Vec<SegmentParts>,
-) -> Result<(Landmarks, TrainingReport), TrainingError> {
-    let WindowSpace { options, eigenspace, spectrum, codebook, phases } = space;
-    check_exemplars(exemplars.iter(), options.signature)?;
-    let describer = ScaleSpaceDescriber::new(&options);
-    let taught = EncodedWindows::of_parts(describer, phases, codebook, segments, &exemplars)
-        .ok_or(TrainingError::NoInterestPoints)?;
-    let (windows, confidence) = (Windows::Encoded(taught.into()), Some(Confidence::A_CONTRARIO));
-    let model = Landmarks::assemble(options, exemplars, eigenspace, windows, confidence);
-    let report = report(&model, spectrum);
-    Ok((model, report))
 }
 
 /// The database of exemplars with signatures of intensities, sorted.

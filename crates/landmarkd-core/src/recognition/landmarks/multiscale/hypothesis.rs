@@ -40,6 +40,8 @@ pub(super) struct HypothesisOptions {
     pub least_evidence: f64,
     /// What is likelier is told otherwise of places than of things.
     pub viewpoint: Viewpoint,
+    /// The exemplars are chosen from so many, if those are more.
+    pub chosen_from: usize,
 }
 
 impl Default for HypothesisOptions {
@@ -53,6 +55,7 @@ impl Default for HypothesisOptions {
             rounds: 300,
             least_evidence: 2.0,
             viewpoint: Viewpoint::Free,
+            chosen_from: 0,
         }
     }
 }
@@ -105,7 +108,7 @@ pub(super) fn hypotheses(
     votes: &[f64],
     o: &HypothesisOptions,
 ) -> Vec<Hypothesis> {
-    let background = Background::of(frame.matches, frame.size_px, exemplars.len());
+    let background = Background::of(frame.matches, frame.size_px, exemplars.len().max(o.chosen_from));
     let mut order: Vec<usize> = (0..exemplars.len()).collect();
     order.sort_by(|&a, &b| votes[b].total_cmp(&votes[a]));
     order.truncate(o.promising);

@@ -4,10 +4,12 @@
 
 use std::sync::Arc;
 
+use super::encoded_exemplars::Encoding;
 use super::phase_space::PhaseSpace;
-use crate::eigen::{Codebook, Codes, Eigenspace, lists_for};
+use super::vlad::{Descriptor, Vlad};
+use crate::eigen::{Codebook, Eigenspace, lists_for};
 use crate::recognition::landmarks::description::{DescribedExemplar, Window};
-use crate::recognition::landmarks::model::{Exemplar, Landmarks, Windows};
+use crate::recognition::landmarks::model::{Exemplar, Landmarks};
 use crate::recognition::landmarks::options::{Colour, LandmarkOptions};
 use crate::recognition::landmarks::training::TrainingError;
 use crate::vision::gradient_signature::SPECTRUM_LENGTH;
@@ -68,8 +70,7 @@ pub struct WindowSpace {
     pub(in super::super) eigenspace: Eigenspace,
     /// Variances along its directions, descending; along all when it was fitted just now.
     pub(in super::super) spectrum: Vec<f64>,
-    pub(in super::super) codebook: Arc<Codebook>,
-    pub(in super::super) phases: Arc<PhaseSpace>,
+    pub(in super::super) encoding: Encoding,
 }
 
 /// What is kept of an exemplar.
@@ -77,14 +78,11 @@ pub struct WindowSpace {
 pub struct EncodedExemplar {
     /// Name, size and edge points.
     pub exemplar: Exemplar,
-    /// Of its windows' eigenpoints.
-    pub(super) codes: Codes,
-    /// x and y of each window, in units of [`unit_px`].
-    pub(super) positions: Vec<u16>,
-    pub(super) levels: Vec<u8>,
-    pub(super) phases: Vec<u8>,
+    /// The rows of its windows.
+    pub(in super::super) rows: Vec<u8>,
+    pub(in super::super) descriptor: Descriptor,
     /// Squared length of its signatures, less the mean: of all, and of what the eigenspace doesn't hold.
-    pub(super) energy: [f64; 2],
+    pub(in super::super) energy: [f64; 2],
 }
 
 impl WindowSpace {
@@ -120,24 +118,19 @@ impl WindowSpace {
         drop(signatures);
         let expected = windows * exemplars / sampled;
         let codebook = Codebook::fit(&points, eigenspace.dimension(), lists_for(expected));
-        Ok(WindowSpace {
-            options: resolved,
-            eigenspace,
-            spectrum,
-            codebook: Arc::new(codebook),
-            phases: Arc::new(phases),
-        })
+        let vlad = Vlad::fit(&points, &eigenspace.eigenvalues);
+        let encoding =
+            Encoding { codebook: Arc::new(codebook), phases: Arc::new(phases), vlad: Arc::new(vlad) };
+        Ok(WindowSpace { options: resolved, eigenspace, spectrum, encoding })
     }
 
     /// The space of a database; `None` if it has signatures of intensities.
     pub fn of(model: &Landmarks) -> Option<WindowSpace> {
-        let Windows::Encoded(taught) = &model.windows else { return None };
         Some(WindowSpace {
             options: model.options.clone(),
             spectrum: model.eigenspace.eigenvalues.clone(),
             eigenspace: model.eigenspace.clone(),
-            codebook: Arc::clone(taught.index().codebook()),
-            phases: Arc::clone(&taught.phases),
+            encoding: model.windows.encoded()?.encoding.clone(),
         })
     }
 
@@ -162,22 +155,20 @@ impl WindowSpace {
         };
         let signatures: Vec<f32> = rows(&sample, self.options.signature_length()).copied().collect();
         let points = self.eigenspace.project(&signatures);
-        let mut codes = Codes::default();
-        self.codebook.encode(&points, &mut codes);
         let square =
             |values: &mut dyn Iterator<Item = f32>| values.map(|v| f64::from(v).powi(2)).sum::<f64>();
         let mean = self.eigenspace.mean.iter().cycle();
         let all = square(&mut signatures.iter().zip(mean).map(|(value, mean)| value - mean));
         let held = square(&mut points.iter().copied());
         let unit_px = unit_px(described.exemplar.working_size_px(&self.options));
-        let place =
-            |window: &Window| [window.point.x_px, window.point.y_px].map(|at| (at / unit_px).round() as u16);
+        let place = |window: &Window| {
+            let Window { point, radius } = window;
+            ([point.x_px, point.y_px].map(|at| (at / unit_px).round() as u16), *radius)
+        };
         Ok(EncodedExemplar {
+            rows: self.encoding.rows(&points, described.windows.iter().map(place), &sample.spectra),
+            descriptor: self.encoding.vlad.descriptor(&points),
             exemplar: described.exemplar,
-            codes,
-            positions: described.windows.iter().flat_map(place).collect(),
-            levels: described.windows.iter().map(|window| window.radius).collect(),
-            phases: self.phases.kept(&sample.spectra),
             energy: [all, (all - held).max(0.0)],
         })
     }

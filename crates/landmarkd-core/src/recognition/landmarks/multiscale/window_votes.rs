@@ -1,5 +1,6 @@
 //! What the windows of a frame say, each by itself: the votes of local naive Bayes (McCann and Lowe 2012), and matches.
 
+use super::encoded_exemplars::EncodedExemplars;
 use super::encoded_windows::{EncodedWindow, EncodedWindows};
 use super::matching::Match;
 use super::overlap::Overlap;
@@ -30,7 +31,7 @@ impl WindowVotes {
     /// each stands for the background.
     pub fn of(
         model: &Landmarks,
-        taught: &EncodedWindows,
+        windows: &EncodedWindows,
         batch: &WindowBatch,
         neighbours: &[Neighbour],
     ) -> WindowVotes {
@@ -40,7 +41,7 @@ impl WindowVotes {
                 row.split_last().map(|(background, near)| (query, background.distance.powi(2), near))
             })
         };
-        let exemplar_of = |neighbour: &Neighbour| taught.exemplar(neighbour.index);
+        let exemplar_of = |neighbour: &Neighbour| windows.exemplar(neighbour.index);
         let exemplars = model.exemplars.len();
         // (window, exemplar, vote), each window once an exemplar
         let mut votes: Vec<(usize, usize, f32)> = Vec::with_capacity(neighbours.len());
@@ -67,15 +68,16 @@ impl WindowVotes {
         };
         let most_rad = model.options.turn_prior_deg.map_or(f32::INFINITY, |deg| deg.to_radians() as f32);
         let mut matches = Vec::new();
-        let phases = taught.phases.project(&batch.spectra);
+        let encoding = &windows.exemplars.encoding;
+        let phases = encoding.phases.project(&batch.spectra);
         for (query, beyond, near) in rows() {
             for (rank, neighbour) in near.iter().enumerate().take(MATCHED) {
                 let nearer = beyond - neighbour.distance.powi(2);
                 if nearer > 0.0 && promising[exemplar_of(neighbour)] {
-                    let window = taught.window(neighbour.index);
+                    let window = windows.window(neighbour.index);
                     let phases = &phases[query * PHASE_LENGTH..][..PHASE_LENGTH];
                     let asked = Asked { query, rank, window: &batch.windows[query], phases };
-                    let found = matched(model, taught, &asked, &window, [nearer, beyond]);
+                    let found = matched(model, &windows.exemplars, &asked, &window, [nearer, beyond]);
                     matches.extend(Some(found).filter(|found| found.turn_rad.abs() <= most_rad));
                 }
             }
@@ -105,12 +107,12 @@ struct Asked<'a> {
 /// The match of a window with a neighbour, which is nearer than the background by so much of squared distance.
 fn matched(
     model: &Landmarks,
-    taught: &EncodedWindows,
+    exemplars: &EncodedExemplars,
     asked: &Asked<'_>,
     neighbour: &EncodedWindow<'_>,
     [nearer, beyond]: [f32; 2],
 ) -> Match {
-    let describer = &taught.describer;
+    let describer = &exemplars.describer;
     let size_px = model.working_size_px(neighbour.exemplar as usize);
     let unit_px = unit_px(size_px);
     let from = |axis: usize| f32::from(neighbour.position[axis]) * unit_px - (size_px[axis] - 1.0) / 2.0;
@@ -120,7 +122,7 @@ fn matched(
         rank: asked.rank as u32,
         from: [from(0), from(1)],
         to: [asked.window.point.x_px, asked.window.point.y_px],
-        turn_rad: taught.phases.relative_turn(asked.phases, neighbour.phases),
+        turn_rad: exemplars.encoding.phases.relative_turn(asked.phases, neighbour.phases),
         scale: describer.scale(asked.window.radius) / describer.scale(neighbour.level),
         radius_px: describer.radius_px(asked.window.radius),
         weight: nearer / beyond,
