@@ -95,7 +95,7 @@ pub struct GivenSettings {
     /// Largest version whose windows are held in memory, where --resident doesn't say [default: 4096]
     #[arg(long, env = "LANDMARKD_RESIDENT_LIMIT_MB", value_name = "N")]
     pub resident_limit_mb: Option<u64>,
-    /// Memory for exemplars of versions whose windows are not held, least recently used out first [default: 1024]
+    /// Memory for exemplars of versions whose windows are not held; 0 keeps none [default: 1024]
     #[arg(long, env = "LANDMARKD_EXEMPLAR_CACHE_MB", value_name = "N")]
     pub exemplar_cache_mb: Option<u64>,
     /// Listen on an address other than loopback although there is no key and nobody is asked for one
@@ -529,6 +529,7 @@ impl Settings {
         if shared.is_none() && role != Role::All {
             return Err(SettingsError::RoleAlone { role });
         }
+        let resident_limit_mb = ranged("resident_limit_mb", given.resident_limit_mb, 4096, 0, 1 << 24)?;
         Ok(Self {
             bind: given.bind.unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080))),
             shared,
@@ -543,12 +544,12 @@ impl Settings {
             holds: given.holds(role)?,
             threads: ranged("threads", given.threads, cores, 1, 1024)? as usize,
             memory_limit_bytes: ranged("memory_limit_mb", given.memory_limit_mb, 1024, 0, 1 << 20)? << 20,
-            resident_limit_bytes: match given.resident {
-                Some(Resident::Memory) => u64::MAX,
-                Some(Resident::Cache) => 0,
-                None => ranged("resident_limit_mb", given.resident_limit_mb, 4096, 0, 1 << 24)? << 20,
+            resident_limit_bytes: match (given.resident, resident_limit_mb) {
+                (Some(Resident::Memory), _) => u64::MAX,
+                (Some(Resident::Cache), _) => 0,
+                (None, limit_mb) => limit_mb << 20,
             },
-            exemplar_cache_bytes: ranged("exemplar_cache_mb", given.exemplar_cache_mb, 1024, 1, 1 << 24)?
+            exemplar_cache_bytes: ranged("exemplar_cache_mb", given.exemplar_cache_mb, 1024, 0, 1 << 24)?
                 << 20,
             insecure: given.insecure.unwrap_or(false),
             tls,

@@ -2,10 +2,12 @@
 //! kept in a cache that is bounded in bytes.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytes::Bytes;
 use quick_cache::Weighter;
 use quick_cache::sync::Cache;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::artifact::outline::ExemplarPlace;
 use crate::store::{BlobError, BlobName, Blobs};
@@ -15,6 +17,10 @@ use landmarkd_core::recognition::landmarks::KeptExemplar;
 #[derive(Debug)]
 pub struct ExemplarCache {
     exemplars: Cache<BlobName, Bytes, Length>,
+    found: AtomicU64,
+    read: AtomicU64,
+    /// Frames that may have chosen exemplars, and wait for them or are recognised among them.
+    frames: Arc<Semaphore>,
 }
 
 #[derive(Debug, Clone)]
@@ -27,14 +33,19 @@ impl Weighter<BlobName, Bytes> for Length {
     }
 }
 
+/// Frames that choose exemplars at once: each holds its picture until they are read.
+const MOST_FRAMES: usize = 32;
+
 /// Bytes of an exemplar, about: how many there is place for.
 const EXEMPLAR_BYTES: u64 = 64 << 10;
 
 impl ExemplarCache {
-    /// An empty cache that takes so many bytes.
+    /// An empty cache that takes so many bytes; of 0 it keeps nothing.
     pub fn new(limit_bytes: u64) -> Self {
         let exemplars = (limit_bytes / EXEMPLAR_BYTES).max(16) as usize;
-        Self { exemplars: Cache::with_weighter(exemplars, limit_bytes, Length) }
+        let exemplars = Cache::with_weighter(exemplars, limit_bytes, Length);
+        let frames = Arc::new(Semaphore::new(MOST_FRAMES));
+        Self { exemplars, found: AtomicU64::new(0), read: AtomicU64::new(0), frames }
     }
 
     /// Bytes that it holds.
@@ -42,9 +53,9 @@ impl ExemplarCache {
         self.exemplars.weight()
     }
 
-    /// Exemplars that were found in it since the start, and those that were read.
-    pub fn hits_and_misses(&self) -> (u64, u64) {
-        (self.exemplars.hits(), self.exemplars.misses())
+    /// Exemplars that frames needed since the start: found in it, and read.
+    pub fn found_and_read(&self) -> [u64; 2] {
+        [&self.found, &self.read].map(|count| count.load(Ordering::Relaxed))
     }
 }
 
@@ -81,6 +92,11 @@ impl KeptExemplars {
         size_of_val(&self.places[..]) as u64
     }
 
+    /// A turn for a frame.
+    pub(super) async fn turn(&self) -> Option<OwnedSemaphorePermit> {
+        Arc::clone(&self.cache.frames).acquire_owned().await.ok()
+    }
+
     /// The exemplars of these indices, from the cache or the store.
     ///
     /// # Errors
@@ -88,16 +104,24 @@ impl KeptExemplars {
     pub(super) async fn read(&self, indices: &[usize]) -> Result<ReadExemplars, BlobError> {
         let cached = |&index: &usize| {
             let place = &self.places[index];
-            (index, place, self.cache.exemplars.get(&place.name))
+            // one without windows and edges is nowhere
+            let known = if place.range.is_empty() {
+                Some(Bytes::new())
+            } else {
+                self.cache.exemplars.get(&place.name)
+            };
+            (index, place, known)
         };
         let found: Vec<(usize, &ExemplarPlace, Option<Bytes>)> = indices.iter().map(cached).collect();
         let missing = found.iter().filter(|(_, _, bytes)| bytes.is_none());
         let missing: Vec<_> = missing.map(|(_, place, _)| (place.name, place.range.clone())).collect();
-        let mut read = self.blobs.parts(&self.artifact, &missing).await?.into_iter();
+        let count = missing.len() as u64;
+        let mut read = self.blobs.parts(&self.artifact, missing).await?.into_iter();
+        self.cache.found.fetch_add(indices.len() as u64 - count, Ordering::Relaxed);
+        self.cache.read.fetch_add(count, Ordering::Relaxed);
         let exemplar = |(index, place, cached): (usize, &ExemplarPlace, Option<Bytes>)| {
             let bytes = cached.or_else(|| {
-                // several may lie in one buffer, which none of them is to keep alive
-                let bytes = Bytes::copy_from_slice(&read.next()?);
+                let bytes = read.next()?;
                 self.cache.exemplars.insert(place.name, bytes.clone());
                 Some(bytes)
             })?;
@@ -113,14 +137,12 @@ impl ReadExemplars {
         self.exemplars.iter().map(|(_, _, bytes)| bytes.len() as u64).sum()
     }
 
-    /// The exemplars as a model takes them.
+    /// The exemplars as a model takes them; one of another length than it has in its version is left out.
     pub fn kept(&self) -> Vec<KeptExemplar<'_>> {
-        let exemplars = self.exemplars.iter();
-        exemplars
-            .map(|(index, place, bytes)| {
-                let (rows, edges) = place.parts(bytes);
-                KeptExemplar { index: *index, rows, edges }
-            })
-            .collect()
+        let kept = self.exemplars.iter().filter_map(|(index, place, bytes)| {
+            let (rows, edges) = place.parts(bytes)?;
+            Some(KeptExemplar { index: *index, rows, edges })
+        });
+        kept.collect()
     }
 }

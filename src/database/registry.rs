@@ -13,9 +13,10 @@ use std::time::{Duration, Instant};
 use arc_swap::ArcSwap;
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
+use tokio::sync::OwnedSemaphorePermit;
 
 use super::artifact::outline::{self, ExemplarPlace, OutlineHeader};
-use super::artifact::{self, Artifact};
+use super::artifact::{self, Artifact, ArtifactError};
 use super::kept_exemplars::{ExemplarCache, KeptExemplars, ReadExemplars};
 use super::{CURRENT, DatabaseError, Databases, Model, Name, VersionRow};
 use crate::compute::{Compute, Lane};
@@ -39,6 +40,15 @@ pub struct LoadedVersion {
 }
 
 impl LoadedVersion {
+    /// A turn for a frame whose exemplars have to be read: what frames hold meanwhile is bounded. `None` where the windows are
+    /// in the model.
+    pub async fn turn(&self) -> Option<OwnedSemaphorePermit> {
+        match &self.kept {
+            Some(kept) => kept.turn().await,
+            None => None,
+        }
+    }
+
     /// What a frame needs of exemplars whose windows are not in the model; empty if they are.
     ///
     /// # Errors
@@ -46,11 +56,15 @@ impl LoadedVersion {
     pub async fn read_exemplars(&self, indices: &[usize]) -> Result<ReadExemplars, DatabaseError> {
         let Some(kept) = &self.kept else { return Ok(ReadExemplars::default()) };
         kept.read(indices).await.map_err(|source| match source.is_damage() {
-            true => DatabaseError::Unloadable {
-                database: self.database.clone(),
-                version: self.version,
-                reason: format!("{}; train again, or restore a backup", chain(&source)),
-            },
+            true => {
+                let (database, version, reason) = (&self.database, self.version, chain(&source));
+                tracing::error!(database, version, reason, "windows of a version can't be read");
+                DatabaseError::Unloadable {
+                    database: database.clone(),
+                    version,
+                    reason: format!("{reason}; train again, or import it again, or restore a backup"),
+                }
+            }
             false => source.into(),
         })
     }
@@ -204,6 +218,25 @@ impl Registry {
         self.forget_deleted().await
     }
 
+    /// Refreshes after a version got its number that was loaded, whole, to be checked: it isn't read again to be served.
+    ///
+    /// # Errors
+    /// As [`Registry::refresh`].
+    pub(crate) async fn serve_checked(
+        &self,
+        checked: Arc<LoadedVersion>,
+        row: &VersionRow,
+    ) -> Result<(), DatabaseError> {
+        let is_served_whole = row.bytes <= self.residency.largest_bytes;
+        if let Some(checked) = Arc::into_inner(checked).filter(|_| is_served_whole) {
+            self.cache_version(&Arc::new(LoadedVersion { version: row.version, ..checked }));
+        }
+        let refreshed = self.refresh().await;
+        // whoever serves it has it by now
+        self.forget(&row.database, Some(row.version));
+        refreshed
+    }
+
     /// Drop versions loaded by number that another process deleted, alone or with their database.
     async fn forget_deleted(&self) -> Result<(), DatabaseError> {
         let loaded = self.cache().versions.clone();
@@ -252,7 +285,7 @@ impl Registry {
         let loaded = match outage {
             Some(reason) => Err(reason.clone()),
             None => self
-                .load_to_serve(&target.database, target.version, &target.digest, &target.blob)
+                .load_to_serve(&target.database, target.version, &target.digest, &target.blob, target.bytes)
                 .await
                 .map_err(|error| {
                     let reason = chain(&error);
@@ -288,13 +321,13 @@ impl Registry {
         version: i64,
         digest: &str,
         blob: &str,
+        bytes: u64,
     ) -> Result<Arc<LoadedVersion>, DatabaseError> {
         let unloadable =
             |reason: String| DatabaseError::Unloadable { database: database.into(), version, reason };
         let name: BlobName = blob.parse().map_err(|error: InvalidBlobName| unloadable(chain(&error)))?;
-        // of one that can't be asked for there may be a copy
-        let is_larger = self.blobs.size(&name).await.is_ok_and(|bytes| bytes > self.residency.largest_bytes);
-        let outline = if is_larger { self.outline(&name).await } else { Ok(None) };
+        let is_larger = bytes > self.residency.largest_bytes;
+        let outline = if is_larger { self.outline(&name, bytes).await } else { Ok(None) };
         let (artifact, places) = match outline {
             Ok(Some(outline)) => outline,
             Ok(None) => return self.load(database, version, digest, blob).await,
@@ -318,14 +351,18 @@ impl Registry {
     async fn outline(
         &self,
         name: &BlobName,
+        bytes: u64,
     ) -> Result<Option<(Artifact, Vec<ExemplarPlace>)>, DatabaseError> {
         let invalid = |source| DatabaseError::InvalidArtifact { source };
-        let file_bytes = self.blobs.size(name).await?;
-        let prefix = self.one_range(name, 0..outline::PREFIX_LENGTH.min(file_bytes)).await?;
-        let length = outline::header_length(&prefix).map_err(invalid)?.min(file_bytes);
-        let header =
-            OutlineHeader::of(self.one_range(name, 0..length).await?, file_bytes).map_err(invalid)?;
-        let Some(header) = header else { return Ok(None) };
+        if self.blobs.size(name).await? != bytes {
+            return Err(invalid(ArtifactError::Contents));
+        }
+        let prefix = self.one_range(name, 0..outline::PREFIX_LENGTH.min(bytes)).await?;
+        let length = outline::header_length(&prefix).map_err(invalid)?.min(bytes);
+        let header = self.one_range(name, 0..length).await?;
+        let of = move || OutlineHeader::of(header, bytes);
+        let (header, _) = self.compute.run(Lane::Maintenance, 0, of).await?;
+        let Some(header) = header.map_err(invalid)? else { return Ok(None) };
         let [before, after] = header.around.clone();
         let around = [self.one_range(name, before).await?, self.one_range(name, after).await?];
         let (read, _) = self.compute.run(Lane::Maintenance, 0, move || header.read(around)).await?;
@@ -470,7 +507,8 @@ impl Databases {
         // A load that hangs delays no other as long as the budget lasts; a version larger than the budget is loaded alone.
         let budget_mib = mib(row.bytes).min(registry.loading_budget_mib);
         let _permits = registry.loading_budget.acquire_many(budget_mib).await;
-        let loaded = registry.load_to_serve(database.as_str(), version, &row.digest, &row.blob).await?;
+        let loaded =
+            registry.load_to_serve(database.as_str(), version, &row.digest, &row.blob, row.bytes).await?;
         // Deleted while it was loading, it must not come back.
         if self.version(database, version).await?.digest == row.digest {
             registry.cache_version(&loaded);
@@ -485,7 +523,7 @@ impl Databases {
     pub(crate) async fn whole_version(&self, row: &VersionRow) -> Result<Arc<LoadedVersion>, DatabaseError> {
         let registry = self.registry();
         match registry.by_number(&row.database, row.version) {
-            Some(loaded) if loaded.kept.is_none() => Ok(loaded),
+            Some(loaded) if loaded.kept.is_none() && loaded.digest == row.digest => Ok(loaded),
             _ => registry.load(&row.database, row.version, &row.digest, &row.blob).await,
         }
     }

@@ -123,9 +123,9 @@ pub async fn metrics(State(service): State<Service>) -> Response {
     metrics.versions_loaded_bytes.set(bytes as i64);
     let exemplars = service.databases.registry().exemplar_cache();
     metrics.exemplar_cache_bytes.set(exemplars.bytes() as i64);
-    let (hits, misses) = exemplars.hits_and_misses();
-    metrics.exemplars_read.with_label_values(&["cache"]).set(hits as i64);
-    metrics.exemplars_read.with_label_values(&["store"]).set(misses as i64);
+    for (from, count) in ["cache", "store"].into_iter().zip(exemplars.found_and_read()) {
+        metrics.exemplars_read.with_label_values(&[from]).set(count as i64);
+    }
     let (tracks, bytes) = service.tracks.held();
     metrics.tracks.set(tracks as i64);
     metrics.tracks_bytes.set(bytes as i64);

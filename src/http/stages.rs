@@ -26,6 +26,11 @@ impl StageClock {
         self.took.extend(stages.iter().map(|stage| (*stage, Duration::ZERO)));
     }
 
+    /// Starts the next stage now: what passed since the last ended is none's.
+    pub fn resume(&mut self) {
+        self.since = Instant::now();
+    }
+
     /// Ends that stage and starts the next.
     pub fn end(&mut self, stage: &'static str) {
         let now = Instant::now();

@@ -214,11 +214,11 @@ impl Blobs {
     pub async fn parts(
         &self,
         blob: &BlobName,
-        parts: &[(BlobName, Range<u64>)],
+        parts: Vec<(BlobName, Range<u64>)>,
     ) -> Result<Vec<Bytes>, BlobError> {
         let mut found = vec![None; parts.len()];
         if let Place::Bucket { cache } = &*self.place {
-            for (found, (name, _)) in found.iter_mut().zip(parts) {
+            for (found, (name, _)) in found.iter_mut().zip(&parts) {
                 *found = cache.get(*name).await;
             }
         }
@@ -228,14 +228,16 @@ impl Blobs {
             true => Vec::new(),
             false => self.ranges(blob, &ranges).await?,
         };
-        for (at, content) in missing.into_iter().zip(read) {
-            let name = parts[at].0;
-            let proved = hash(content.clone()).await?;
-            if proved != name {
-                return Err(BlobError::Corrupt { name: *blob, found: proved });
+        // several may lie in one buffer, which none of them is to keep alive
+        let prove =
+            move || read.iter().map(|part| (BlobName::of(part), Bytes::copy_from_slice(part))).collect();
+        let proved: Vec<(BlobName, Bytes)> = off_the_async_threads(prove).await?;
+        for (at, (hash, content)) in missing.into_iter().zip(proved) {
+            if hash != parts[at].0 {
+                return Err(BlobError::Corrupt { name: *blob, found: hash });
             }
             if let Place::Bucket { cache } = &*self.place {
-                cache.keep(name, content.clone()).await;
+                cache.keep(hash, content.clone()).await;
             }
             found[at] = Some(content);
         }
@@ -307,9 +309,14 @@ impl Blobs {
 
 /// Hashes off the async threads: an artifact may have hundreds of megabytes.
 async fn hash(content: Bytes) -> Result<BlobName, BlobError> {
-    tokio::task::spawn_blocking(move || BlobName::of(&content))
-        .await
-        .map_err(|error| BlobError::Unavailable { source: error.into() })
+    off_the_async_threads(move || BlobName::of(&content)).await
+}
+
+async fn off_the_async_threads<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, BlobError> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.map_err(|error| BlobError::Unavailable { source: error.into() })
 }
 
 /// Removes what a crash left of unfinished writes: files `<name>#<number>`, which the store never lists.

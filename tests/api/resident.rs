@@ -75,7 +75,7 @@ async fn answers_are_those_of_a_version_in_memory_and_what_was_read_stays_for_a_
     let tracked = app.post_png(&frames, scene_png(5)).await.expect(200);
     assert_eq!(tracked["belief"][0]["label"], "place-5");
     app.add("lab", "place-9", 9).await;
-    app.train("lab", json!({"calibration": "none", "eigenspace": "keep"})).await;
+    app.train("lab", json!({"calibration": "none", "eigenspace": "keep", "promote": "if_not_worse"})).await;
     assert_eq!(app.recognise("lab", "", scene_png(9)).await["decision"]["label"], "place-9");
     assert_eq!(
         gauge(&app, "landmarkd_exemplars_read{from=\"store\"}").await,
@@ -98,7 +98,7 @@ async fn a_damaged_artifact_is_told_where_its_bytes_are_needed() {
     let app = App::open(folder, |settings| {
         settings.resident_limit_bytes = 0;
         // nothing stays
-        settings.exemplar_cache_bytes = 1;
+        settings.exemplar_cache_bytes = 0;
     })
     .await;
     let ask = || {

@@ -157,7 +157,7 @@ async fn of_versions_in_the_bucket_what_was_read_is_answered_while_it_is_away_an
     let version = teacher.client.trained("hall").await;
     let keeps = fleet.process(&["--role", "serve", "--resident", "cache"]);
     // neither memory nor disk for what it read
-    let nothing = ["--exemplar-cache-mb", "1", "--cache-limit-mb", "0"];
+    let nothing = ["--exemplar-cache-mb", "0", "--cache-limit-mb", "0"];
     let forgets = fleet.process(&[["--role", "serve", "--resident", "cache"], nothing].concat());
     for member in [&keeps, &forgets] {
         member.client.serves("hall", version).await;

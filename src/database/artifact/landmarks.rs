@@ -20,8 +20,8 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::outline::{ExemplarPlace, NO_OUTLINE};
-use super::{ArtifactError, File, Tensor, le_bytes};
+use super::outline::{EXEMPLARS, ExemplarPlace};
+use super::{ArtifactError, File, NO_DIGITS, Tensor, le_bytes};
 use crate::database::{Counts, LandmarkReport, Name};
 use crate::store::BlobName;
 use landmarkd_core::recognition::landmarks::{
@@ -72,7 +72,7 @@ pub(super) fn header_and_tensors<'a>(
         total_variance: parts.total_variance,
         exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
         confidence: parts.confidence.as_ref().map(ConfidenceDocument::from),
-        outline: matches!(parts.windows, WindowParts::Encoded(_)).then(|| NO_OUTLINE.into()),
+        outline: matches!(parts.windows, WindowParts::Encoded(_)).then(|| NO_DIGITS.into()),
         report: report.clone(),
     };
     let (dimension, signature) = (parts.eigenvalues.len(), parts.mean.len());
@@ -144,7 +144,7 @@ fn encoded_tensors<'a>(
             descriptors.clone(),
         ),
         bytes_of("names", vec![exemplars.len(), 32], names),
-        bytes_of("exemplars", vec![bytes.len()], bytes),
+        bytes_of(EXEMPLARS, vec![bytes.len()], bytes),
     ]
 }
 
@@ -170,16 +170,20 @@ fn encoded_parts(
     let floats = |name| file.values(name, Dtype::F32, f32::from_le_bytes);
     let bytes = |name| Ok::<_, ArtifactError>(file.data(name, Dtype::U8)?.to_vec());
     let (mut rows, mut edges) = (None, vec![Vec::new(); documents.len()]);
-    if file.has("exemplars") {
-        let (all, places) = (file.data("exemplars", Dtype::U8)?, places(file, documents, dimension)?);
+    if file.has(EXEMPLARS) {
+        let (all, places) = (file.data(EXEMPLARS, Dtype::U8)?, places(file, documents, dimension)?);
         let end = places.last().map_or(0, |place| place.range.end);
         if end != all.len() as u64 {
             return Err(ArtifactError::Contents);
         }
         let mut own_rows = Vec::with_capacity(all.len());
         for (place, edges) in places.iter().zip(&mut edges) {
-            let (own, points) = place.parts(&all[place.range.start as usize..place.range.end as usize]);
-            own_rows.extend(own);
+            let piece = &all[place.range.start as usize..place.range.end as usize];
+            let (own, points) = place.parts(piece).ok_or(ArtifactError::Contents)?;
+            if BlobName::of(piece) != place.name {
+                return Err(ArtifactError::Checksum);
+            }
+            own_rows.extend_from_slice(own);
             *edges = points;
         }
         rows = Some(own_rows);
@@ -231,7 +235,7 @@ pub(super) fn assemble(
         let (encoded, edges) = encoded_parts(&file, documents, eigenvalues.len())?;
         (WindowParts::Encoded(encoded), edges)
     };
-    let places = match file.has("exemplars") || file.has("eigenpoints") {
+    let places = match file.has(EXEMPLARS) || file.has("eigenpoints") {
         true => Vec::new(),
         false => places(&file, documents, eigenvalues.len())?,
     };

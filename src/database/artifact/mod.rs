@@ -148,7 +148,7 @@ struct WholeHeader<K> {
 
 /// A tensor to write.
 struct Tensor<'a> {
-    name: Cow<'static, str>,
+    name: &'static str,
     dtype: Dtype,
     shape: Vec<usize>,
     /// The values row by row, little-endian.
@@ -156,13 +156,8 @@ struct Tensor<'a> {
 }
 
 impl<'a> Tensor<'a> {
-    fn new(
-        name: impl Into<Cow<'static, str>>,
-        dtype: Dtype,
-        shape: Vec<usize>,
-        bytes: Cow<'a, [u8]>,
-    ) -> Self {
-        Self { name: name.into(), dtype, shape, bytes }
+    fn new(name: &'static str, dtype: Dtype, shape: Vec<usize>, bytes: Cow<'a, [u8]>) -> Self {
+        Self { name, dtype, shape, bytes }
     }
 
     /// A tensor of 32-bit floating point numbers.
@@ -176,7 +171,9 @@ impl<'a> Tensor<'a> {
     }
 }
 
-const NO_CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+const CHECKSUM: &str = "checksum";
+/// The digits of a hash before they are known.
+const NO_DIGITS: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// The artifact as a file.
 ///
@@ -203,7 +200,7 @@ fn common_header(artifact: &Artifact) -> Header {
         kind: artifact.kind().as_str().into(),
         algorithm_revision: artifact.algorithm_revision,
         digest: artifact.digest.clone(),
-        checksum: NO_CHECKSUM.into(),
+        checksum: NO_DIGITS.into(),
         options: artifact.options_document(),
         counts: artifact.counts,
     }
@@ -214,28 +211,35 @@ fn write_parts(common: Header, (of_kind, tensors): (impl Serialize, Vec<Tensor<'
     let header = serde_json::to_string(&header).expect("numbers and text always serialise");
     let views = tensors.iter().map(|tensor| {
         let view = TensorView::new(tensor.dtype, tensor.shape.clone(), &tensor.bytes);
-        (&*tensor.name, view.expect("each shape is that of its vector"))
+        (tensor.name, view.expect("each shape is that of its vector"))
     });
     let metadata = HashMap::from([(METADATA_KEY.to_owned(), header)]);
     let mut file = safetensors::serialize(views, Some(metadata)).expect("each name stands once");
-    let replace = |file: &mut Vec<u8>, unknown: &str, digits: String| {
-        let at = find(file, unknown.as_bytes()).expect("the header was written with it");
-        file[at..at + digits.len()].copy_from_slice(digits.as_bytes());
+    let put = |file: &mut Vec<u8>, member: &str, digits: String| {
+        let at = digits_of(file, member).expect("the header was written with it");
+        file[at].copy_from_slice(digits.as_bytes());
     };
     if let Some(outline) = outline_of_file(&file) {
-        replace(&mut file, outline::NO_OUTLINE, outline);
+        put(&mut file, outline::MEMBER, outline);
     }
     let checksum = BlobName::of(&file).to_string();
-    replace(&mut file, NO_CHECKSUM, checksum);
+    put(&mut file, CHECKSUM, checksum);
     file
+}
+
+/// Where the digits of a hash stand in a file, by the name of the header's member: quoted, so that no label reads like it.
+fn digits_of(file: &[u8], member: &str) -> Option<Range<usize>> {
+    let quoted = format!(r#"\"{member}\":\""#);
+    let at = find(file, quoted.as_bytes())? + quoted.len();
+    (at + NO_DIGITS.len() <= file.len()).then(|| at..at + NO_DIGITS.len())
 }
 
 /// The outline of a file that is being written, if it has exemplars that can be read by themselves.
 fn outline_of_file(file: &[u8]) -> Option<String> {
     let (length, metadata) = SafeTensors::read_metadata(file).expect("it was written just now");
     let (header, data) = file.split_at(outline::PREFIX_LENGTH as usize + length);
-    let (start, end) = metadata.info("exemplars")?.data_offsets;
-    outline::outline_of([header, &data[..start], &data[end..]], [NO_CHECKSUM, outline::NO_OUTLINE])
+    let (start, end) = metadata.info(outline::EXEMPLARS)?.data_offsets;
+    outline::outline_of([header, &data[..start], &data[end..]])
 }
 
 /// Read an artifact file, checked whole.
@@ -250,8 +254,12 @@ pub fn read(file: Bytes) -> Result<Artifact, ArtifactError> {
     if header.format <= FORMAT {
         verify_checksum(&file, &header.checksum)?;
     }
-    let tensors = File::of(&metadata, &[(0, file)], outline::PREFIX_LENGTH as usize + length);
-    Ok(read_file(text, tensors)?.0)
+    let start = outline::PREFIX_LENGTH as usize + length;
+    outline::verify(&file, text, &metadata, start)?;
+    match read_file(text, File::of(&metadata, &[(0, file)], start))? {
+        (artifact, places) if places.is_empty() => Ok(artifact),
+        _ => Err(ArtifactError::Tensor { name: outline::EXEMPLARS.to_owned() }),
+    }
 }
 
 fn not_safetensors(source: safetensors::SafeTensorError) -> ArtifactError {
@@ -262,11 +270,6 @@ fn not_safetensors(source: safetensors::SafeTensorError) -> ArtifactError {
 fn header_of(metadata: &Metadata) -> Result<&str, ArtifactError> {
     let text = metadata.metadata().as_ref().and_then(|metadata| metadata.get(METADATA_KEY));
     Ok(text.ok_or(ArtifactError::Metadata { source: None })?)
-}
-
-/// The digits of a header's checksum.
-fn checksum_of(text: &str) -> Result<String, ArtifactError> {
-    Ok(read_header::<Header>(text)?.checksum)
 }
 
 /// The artifact of a header and tensors whose hash is right, and where its exemplars lie if they are elsewhere.
@@ -311,11 +314,8 @@ fn read_header<'a, H: Deserialize<'a>>(text: &'a str) -> Result<H, ArtifactError
 
 /// Hash the file with the checksum's digits set to `0`.
 fn verify_checksum(file: &[u8], checksum: &str) -> Result<(), ArtifactError> {
-    if checksum.len() != NO_CHECKSUM.len() {
-        return Err(ArtifactError::Checksum);
-    }
-    let at = find(file, checksum.as_bytes()).ok_or(ArtifactError::Checksum)?;
-    let parts = [&file[..at], NO_CHECKSUM.as_bytes(), &file[at + checksum.len()..]];
+    let at = digits_of(file, CHECKSUM).ok_or(ArtifactError::Checksum)?;
+    let parts = [&file[..at.start], NO_DIGITS.as_bytes(), &file[at.end..]];
     if BlobName::of_parts(parts).to_string() == checksum { Ok(()) } else { Err(ArtifactError::Checksum) }
 }
 
@@ -484,12 +484,43 @@ mod tests {
         let kept = places.iter().enumerate().map(|(index, place)| {
             let bytes = &file[place.range.start as usize..place.range.end as usize];
             assert_eq!(BlobName::of(bytes), place.name);
-            let (rows, edges) = place.parts(bytes);
+            let (rows, edges) = place.parts(bytes).unwrap();
             KeptExemplar { index, rows, edges }
         });
-        let all = outline.of_kept(kept.collect()).unwrap();
-        assert_eq!(all.recognise_asked(&asked, |_| ()).unwrap(), whole.recognise(&frame, |_| ()));
+        let kept: Vec<KeptExemplar> = kept.collect();
+        let among = |kept: &[KeptExemplar]| {
+            outline.of_kept(kept.to_vec()).unwrap().recognise_asked(&asked, |_| ()).unwrap()
+        };
+        assert_eq!(among(&kept), whole.recognise(&frame, |_| ()));
+        let second = among(&kept[1..]);
+        assert_eq!((&second.votes[0].label[..], second.exemplar_weights.len()), ("bb", 1));
         assert!(outlined(&Bytes::from(write(&artifact()))).unwrap().is_none(), "signatures of intensities");
+    }
+
+    #[test]
+    fn a_label_that_reads_like_a_hash_changes_nothing() {
+        for digit in ["0", "1"] {
+            let label = digit.repeat(64);
+            let options = LandmarkOptions { interest_points: 20, dimension: 3, ..LandmarkOptions::default() };
+            let file = Bytes::from(write(&trained(&options, [("a", tiles(0)), (&label, tiles(1))])));
+            assert!(outlined(&file).unwrap().is_some());
+            let Model::Landmarks(model) = read(file).unwrap().model else { panic!("it is one of landmarks") };
+            assert!(model.labels().contains(&&label[..]));
+        }
+    }
+
+    #[test]
+    fn a_file_without_its_windows_or_with_wrong_names_is_refused() {
+        let artifact = of_gradients();
+        for lost in ["exemplars", "names", "descriptors", "vlad_centroids", "centroids"] {
+            let without = changed(&artifact, |(_, tensors)| tensors.retain(|tensor| tensor.name != lost));
+            assert!(without.is_err(), "{lost} is not missed");
+        }
+        let renamed = changed(&artifact, |(_, tensors)| {
+            let names = tensors.iter_mut().find(|tensor| tensor.name == "names").unwrap();
+            names.bytes.to_mut()[40] ^= 1;
+        });
+        assert!(renamed.is_err());
     }
 
     #[test]
@@ -497,9 +528,7 @@ mod tests {
         let file = Bytes::from(write(&of_gradients()));
         let (_, places) = outlined(&file).unwrap().unwrap();
         let exemplars = places[0].range.start..places[1].range.end;
-        let (_, metadata) = SafeTensors::read_metadata(&file).unwrap();
-        let checksum = header_of(&metadata).and_then(checksum_of).unwrap();
-        let checksum = find(&file, checksum.as_bytes()).unwrap() as u64;
+        let checksum = digits_of(&file, CHECKSUM).unwrap().start as u64;
         // the digits of the checksum are of the whole file
         let covered = |at: &u64| !exemplars.contains(at) && !(checksum..checksum + 64).contains(at);
         for at in (0..file.len() as u64).filter(covered) {

@@ -8,13 +8,15 @@ use safetensors::tensor::Metadata;
 
 use super::landmarks::{LandmarkHeader, edge_points};
 use super::{
-    Artifact, ArtifactError, File, NO_CHECKSUM, checksum_of, find, header_of, read_file, read_header,
+    Artifact, ArtifactError, CHECKSUM, File, NO_DIGITS, digits_of, header_of, read_file, read_header,
 };
 use crate::store::BlobName;
 use landmarkd_core::recognition::landmarks::EdgePoint;
 
-/// The digits of a header's outline before they are known.
-pub(super) const NO_OUTLINE: &str = "1111111111111111111111111111111111111111111111111111111111111111";
+/// The tensor that exemplars are read from one by one.
+pub(super) const EXEMPLARS: &str = "exemplars";
+/// The member of the header with the hash.
+pub(super) const MEMBER: &str = "outline";
 
 /// Bytes that say how long the header is.
 pub const PREFIX_LENGTH: u64 = 8;
@@ -31,10 +33,11 @@ pub struct ExemplarPlace {
 }
 
 impl ExemplarPlace {
-    /// The rows of windows and the edge points in the exemplar's bytes.
-    pub fn parts<'a>(&self, bytes: &'a [u8]) -> (&'a [u8], Vec<EdgePoint>) {
-        let (rows, edges) = bytes.split_at(self.rows_length);
-        (rows, edge_points(edges))
+    /// The rows of windows and the edge points in the exemplar's bytes; `None` if those are of another length.
+    pub fn parts<'a>(&self, bytes: &'a [u8]) -> Option<(&'a [u8], Vec<EdgePoint>)> {
+        let is_whole = self.range.end - self.range.start == bytes.len() as u64;
+        let (rows, edges) = bytes.split_at_checked(self.rows_length).filter(|_| is_whole)?;
+        Some((rows, edge_points(edges)))
     }
 }
 
@@ -52,8 +55,8 @@ pub struct OutlineHeader {
 /// # Errors
 /// They are not those of an artifact.
 pub fn header_length(prefix: &[u8]) -> Result<u64, ArtifactError> {
-    /// Some hundred bytes an exemplar.
-    const LONGEST: u64 = 1 << 32;
+    /// The library's bound.
+    const LONGEST: u64 = 100_000_000;
     let length = prefix.first_chunk().map(|bytes| u64::from_le_bytes(*bytes));
     match length {
         Some(length) if length < LONGEST => Ok(PREFIX_LENGTH + length),
@@ -71,7 +74,7 @@ impl OutlineHeader {
         let text = header.get(PREFIX_LENGTH as usize..).unwrap_or_default();
         let metadata: Metadata = serde_json::from_slice(text)
             .map_err(|source| ArtifactError::Metadata { source: Some(source) })?;
-        let Some(info) = metadata.info("exemplars") else { return Ok(None) };
+        let Some(info) = metadata.info(EXEMPLARS) else { return Ok(None) };
         let start = header.len() as u64;
         let within = |offset: usize| start.checked_add(offset as u64).ok_or(ArtifactError::Contents);
         let exemplars = within(info.data_offsets.0)?..within(info.data_offsets.1)?;
@@ -89,16 +92,12 @@ impl OutlineHeader {
     pub fn read(self, [before, after]: [Bytes; 2]) -> Result<(Artifact, Vec<ExemplarPlace>), ArtifactError> {
         let Self { header, metadata, exemplars, .. } = self;
         let text = header_of(&metadata)?;
-        let of_kind: LandmarkHeader = read_header(text)?;
-        let outline = of_kind.outline.as_deref().ok_or(ArtifactError::Contents)?;
-        let found = outline_of([&header, &before, &after], [&checksum_of(text)?, outline]);
-        if found.as_deref() != Some(outline) {
-            return Err(ArtifactError::Checksum);
-        }
+        verify_parts([&header, &before, &after], text)?;
         let parts = [(header.len(), before), (exemplars.end as usize, after)];
         let (artifact, mut places) = read_file(text, File::of(&metadata, &parts, header.len()))?;
         for place in &mut places {
-            place.range = place.range.start + exemplars.start..place.range.end + exemplars.start;
+            let in_file = |at: u64| at.checked_add(exemplars.start).ok_or(ArtifactError::Contents);
+            place.range = in_file(place.range.start)?..in_file(place.range.end)?;
         }
         match places.last() {
             Some(last) if last.range.end == exemplars.end => Ok((artifact, places)),
@@ -107,13 +106,36 @@ impl OutlineHeader {
     }
 }
 
-/// The hash of a file's header and what stands around its exemplars, with these digits of checksum and outline as they are
+/// Holds a whole file against its outline, if it has one.
+pub(super) fn verify(
+    file: &[u8],
+    text: &str,
+    metadata: &Metadata,
+    start: usize,
+) -> Result<(), ArtifactError> {
+    let Some(info) = metadata.info(EXEMPLARS) else { return Ok(()) };
+    let (header, data) = file.split_at(start);
+    let (first, end) = info.data_offsets;
+    verify_parts([header, &data[..first], &data[end..]], text)
+}
+
+fn verify_parts(parts: [&[u8]; 3], text: &str) -> Result<(), ArtifactError> {
+    let of_kind: LandmarkHeader = read_header(text)?;
+    let outline = of_kind.outline.ok_or(ArtifactError::Contents)?;
+    if outline_of(parts).is_some_and(|found| found == outline) {
+        Ok(())
+    } else {
+        Err(ArtifactError::Checksum)
+    }
+}
+
+/// The hash of a file's header and what stands around its exemplars, with the digits of checksum and outline as they are
 /// before they are known; `None` if the header hasn't them.
-pub(super) fn outline_of([header, before, after]: [&[u8]; 3], digits: [&str; 2]) -> Option<String> {
+pub(super) fn outline_of([header, before, after]: [&[u8]; 3]) -> Option<String> {
     let mut header = header.to_vec();
-    for (digits, unknown) in digits.into_iter().zip([NO_CHECKSUM, NO_OUTLINE]) {
-        let at = find(&header, digits.as_bytes()).filter(|_| digits.len() == unknown.len())?;
-        header[at..at + unknown.len()].copy_from_slice(unknown.as_bytes());
+    for member in [CHECKSUM, MEMBER] {
+        let at = digits_of(&header, member)?;
+        header[at].copy_from_slice(NO_DIGITS.as_bytes());
     }
     Some(BlobName::of_parts([&header[..], before, after]).to_string())
 }

@@ -186,8 +186,9 @@ pub struct LandmarkStages {
     pub verification: f64,
 }
 
-const STAGES: [&str; 6] = ["attention", "signature", FETCH, "search", "vote", "verification"];
-const FETCH: &str = "fetch";
+const STAGES: [&str; 5] = ["attention", "signature", "search", "vote", "verification"];
+/// Where the version's windows are not in memory.
+pub(super) const FETCH: &str = "fetch";
 
 fn word(stage: Stage) -> &'static str {
     match stage {
@@ -262,7 +263,8 @@ fn rendered(
     wanted: Wanted,
     clock: &StageClock,
 ) -> Answer {
-    let [attention, signature, fetch, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
+    let [attention, signature, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
+    let fetch = clock.ms(FETCH);
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {

@@ -14,6 +14,7 @@ use axum::response::{IntoResponse, Response};
 use futures_util::StreamExt;
 use futures_util::stream::FuturesOrdered;
 use serde::{Deserialize, Serialize};
+use tokio_util::task::AbortOnDropHandle;
 use utoipa::{IntoParams, ToSchema};
 
 use super::exemplars::ImageForm;
@@ -62,7 +63,8 @@ impl StagesBody {
     fn total(&self) -> f64 {
         match self {
             Self::Landmarks(stages) => {
-                stages.attention + stages.signature + stages.search + stages.vote + stages.verification
+                let LandmarkStages { attention, signature, fetch, search, vote, verification } = stages;
+                attention + signature + fetch + search + vote + verification
             }
             Self::Objects(stages) => stages.appearance + stages.universal + stages.object,
         }
@@ -260,6 +262,7 @@ pub(super) async fn recognise<T: Send + 'static>(
         Model::Landmarks(_) | Model::Objects(_) => None,
     };
     let memory = side_px.map_or(picture.working_bytes, |side_px| picture.header.reduced_bytes(side_px));
+    let _turn = version.turn().await;
     let (asked, bytes) = (Arc::clone(version), picture.bytes.clone());
     let visit = move || {
         let mut clock = StageClock::begin();
@@ -279,21 +282,30 @@ pub(super) async fn recognise<T: Send + 'static>(
         let added = add(&bytes, &answer.exemplar_weights);
         Ok::<_, Problem>((Visited::Answered(answer, added), clock))
     };
-    let (visited, queue) = service.compute.run(Lane::Recognition, memory, visit).await?;
+    let (visited, mut queue) = service.compute.run(Lane::Recognition, memory, visit).await?;
     let (visited, clock) = visited?;
     let (answer, added, clock) = match visited {
         Visited::Answered(answer, added) => (answer, added, clock),
         Visited::Chosen(frame, chosen, add) => {
-            let read = version.read_exemplars(&chosen.exemplars).await?;
-            let (asked, memory, mut clock) = (Arc::clone(version), memory + 2 * read.bytes(), clock);
+            let (asked, indices) = (Arc::clone(version), chosen.exemplars.clone());
+            // a task of its own: a batch whose next picture is waited for must not hold up the store's answer
+            let read = tokio::spawn(async move { asked.read_exemplars(&indices).await });
+            let read = AbortOnDropHandle::new(read).await.map_err(|_| landmarks::not_kept())??;
+            let (asked, mut clock) = (Arc::clone(version), clock);
+            clock.end(landmarks::FETCH);
+            // the lists of few windows are hardly filled
+            let memory = memory + 4 * read.bytes();
             let again = move || {
+                clock.resume();
                 let Model::Landmarks(model) = &asked.model else { return Err(landmarks::not_kept()) };
                 let answer =
                     landmarks::answer_among(&frame, model, &chosen, read.kept(), wanted, &mut clock)?;
                 let added = add(&picture.bytes, &answer.exemplar_weights);
                 Ok::<_, Problem>((answer, added, clock))
             };
-            service.compute.run(Lane::Recognition, memory, again).await?.0?
+            let (done, second) = service.compute.run(Lane::Recognition, memory, again).await?;
+            queue += second;
+            done?
         }
     };
     clock.record(&service.metrics, Work::Recognition, queue);

@@ -119,7 +119,8 @@ async fn in_use(
 ) -> Result<Option<Arc<LoadedVersion>>, Stop> {
     let Ok(name) = Name::parse(database) else { return Ok(None) };
     match worker.databases.alias_model(&name, None).await {
-        Ok(current) => Ok(Some(current).filter(|current| current.model.kind() == candidate.model.kind())),
+        Ok(current) if current.model.kind() != candidate.model.kind() => Ok(None),
+        Ok(current) => whole(worker, current).await,
         Err(DatabaseError::NotTrained { .. } | DatabaseError::NoCurrent { .. }) => Ok(None),
         Err(error @ DatabaseError::Unloadable { .. }) => {
             let error = chain(&error);
@@ -127,6 +128,19 @@ async fn in_use(
             Ok(None)
         }
         Err(error) => Err(error.into()),
+    }
+}
+
+/// The version with all of its windows, to be asked here.
+async fn whole(worker: &Worker<'_>, current: Arc<LoadedVersion>) -> Result<Option<Arc<LoadedVersion>>, Stop> {
+    if current.kept.is_none() {
+        return Ok(Some(current));
+    }
+    let row = worker.databases.catalogue.version(&current.database, current.version).await?;
+    match row {
+        Some(row) => Ok(Some(worker.databases.whole_version(&row).await?)),
+        // deleted meanwhile
+        None => Ok(None),
     }
 }
 

@@ -205,12 +205,14 @@ async fn reuse(worker: &Worker<'_>, inputs: &Inputs, same: Option<i64>) -> Resul
     };
     let Promotion { alias, comparison } = promotion(worker, inputs, version).await?;
     if inputs.wants_verdict() && !report_of(&found)?.has_verdict() {
-        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison).await.map(Some);
+        return publish_early(worker, inputs, &NewVersion::again(found), alias, comparison, None)
+            .await
+            .map(Some);
     }
     let _publishing = lease.publishing().await;
     let (number, comparison) = (Some(found.version), comparison.as_deref());
     databases.catalogue.succeed_job(lease.id, lease.token, number, alias, comparison).await?;
-    serve_now(databases).await;
+    serve_now(databases.registry().refresh()).await;
     Ok(number)
 }
 
@@ -255,15 +257,15 @@ async fn publish(
     lease.progress("publishing", 0, 1).await?;
     let new = databases.keep_artifact(&inputs.database, artifact, bytes).await?;
     let candidate = databases.registry().load(&inputs.database, 0, &new.digest, &new.blob).await?;
-    let Promotion { alias, comparison } = promotion(worker, inputs, candidate).await?;
+    let Promotion { alias, comparison } = promotion(worker, inputs, Arc::clone(&candidate)).await?;
     lease.check()?;
     if inputs.is_checked_afterwards() {
-        return publish_early(worker, inputs, &new, alias, comparison).await;
+        return publish_early(worker, inputs, &new, alias, comparison, Some(candidate)).await;
     }
     let _publishing = lease.publishing().await;
     let comparison = comparison.as_deref();
     let version = databases.catalogue.publish(lease.id, lease.token, &new, alias, comparison).await?;
-    serve_now(databases).await;
+    serve_now(databases.registry().serve_checked(candidate, &version)).await;
     Ok(version.version)
 }
 
@@ -274,13 +276,17 @@ async fn publish_early(
     new: &NewVersion,
     alias: Option<&str>,
     comparison: Option<String>,
+    checked: Option<Arc<LoadedVersion>>,
 ) -> Result<i64, Stop> {
     let Worker { lease, databases, .. } = worker;
     let published = {
         let _publishing = lease.publishing().await;
         let (catalogue, comparison) = (&databases.catalogue, comparison.as_deref());
         let published = catalogue.publish_early(lease.id, lease.token, new, alias, comparison).await?;
-        serve_now(databases).await;
+        match checked {
+            Some(checked) => serve_now(databases.registry().serve_checked(checked, &published)).await,
+            None => serve_now(databases.registry().refresh()).await,
+        }
         published
     };
     check_published(worker, inputs, published.version).await
@@ -294,7 +300,7 @@ async fn check_published(worker: &Worker<'_>, inputs: &Inputs, version: i64) -> 
         databases.catalogue.succeed_job(lease.id, lease.token, None, None, None).await?;
         return Ok(version);
     };
-    let loaded = databases.registry().load(database, version, &row.digest, &row.blob).await?;
+    let loaded = databases.whole_version(&row).await?;
     let mut report = report_of(&row)?;
     let checked =
         landmarks::verdict(worker, "checking", &inputs.exemplars, &loaded, landmarks::model_of).await?;
@@ -342,8 +348,8 @@ async fn promotion(
 const SERVE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Loads what was published. The job has ended: if this fails, the next refresh does it.
-async fn serve_now(databases: &Databases) {
-    match tokio::time::timeout(SERVE_TIMEOUT, databases.registry().refresh()).await {
+async fn serve_now(refresh: impl Future<Output = Result<(), DatabaseError>>) {
+    match tokio::time::timeout(SERVE_TIMEOUT, refresh).await {
         Ok(Ok(())) => {}
         Ok(Err(error)) => {
             tracing::warn!(error = chain(&error), "can't refresh after a training");

@@ -48,6 +48,8 @@ pub struct AliasTarget {
     pub digest: String,
     /// Name of the artifact's blob, as `BlobName` writes it.
     pub blob: String,
+    /// Size of the artifact.
+    pub bytes: u64,
     /// The alias's revision.
     pub revision: i64,
 }
@@ -61,6 +63,7 @@ impl FromRow for AliasTarget {
             version: row.get("version")?,
             digest: row.get("digest")?,
             blob: row.get("blob")?,
+            bytes: row.unsigned("bytes")?,
             revision: row.get("revision")?,
         })
     }
@@ -103,7 +106,7 @@ pub async fn list(connection: &mut Connection<'_>, database: &str) -> Result<Vec
 pub async fn list_all(connection: &mut Connection<'_>) -> Result<Vec<AliasTarget>, CatalogueError> {
     connection
         .query(
-            "SELECT a.database, v.kind, a.alias, a.version, v.digest, v.blob, a.revision
+            "SELECT a.database, v.kind, a.alias, a.version, v.digest, v.blob, v.bytes, a.revision
              FROM aliases a JOIN versions v ON v.database = a.database AND v.version = a.version
              ORDER BY a.database, a.alias",
         )

@@ -71,7 +71,8 @@ impl Landmarks {
             return Vec::new();
         };
         let points = self.eigenspace.project(&asked.batch.signatures); // A§4.1
-        encoding.vlad.likest(&points, descriptors, count)
+        let has_windows = |exemplar: usize| self.exemplars[exemplar].windows > 0;
+        encoding.vlad.likest(&points, descriptors, has_windows, count)
     }
 
     /// The database of some of its exemplars with their windows, for recognition among them: what chance explains is judged by

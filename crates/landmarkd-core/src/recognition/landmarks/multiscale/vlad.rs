@@ -99,8 +99,15 @@ impl Vlad {
         descriptor
     }
 
-    /// The `count` exemplars that are likest a frame with these eigenpoints, ascending; of equal ones the first.
-    pub fn likest(&self, points: &[f32], descriptors: &[Descriptor], count: usize) -> Vec<usize> {
+    /// The `count` exemplars that are likest a frame with these eigenpoints, of those that `may` be, ascending; of equal ones
+    /// the first.
+    pub fn likest(
+        &self,
+        points: &[f32],
+        descriptors: &[Descriptor],
+        may: impl Fn(usize) -> bool,
+        count: usize,
+    ) -> Vec<usize> {
         let sums = self.aggregated(points);
         let largest = sums.iter().fold(0.0_f32, |largest, sum| largest.max(sum.abs()));
         let unit = if largest > 0.0 { LARGEST * largest / 7.5 } else { 1.0 };
@@ -113,6 +120,7 @@ impl Vlad {
             }
         }
         let mut scores = Arch::new().dispatch(Scores { planes: &planes, descriptors });
+        scores.retain(|&(_, exemplar)| may(exemplar));
         let count = count.min(scores.len());
         if count < scores.len() {
             scores.select_nth_unstable_by(count, |a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -195,7 +203,7 @@ mod tests {
         for shown in [0, 77, 199] {
             // a third of the frame is the exemplar's
             let frame = [seen_again(&exemplars[shown][..60 * DIMENSION], 5), points(120, 1000)].concat();
-            let likest = vlad.likest(&frame, &descriptors, 10);
+            let likest = vlad.likest(&frame, &descriptors, |_| true, 10);
             assert!(
                 likest.len() == 10 && likest.is_sorted() && likest.contains(&shown),
                 "{shown}: {likest:?}"
@@ -213,14 +221,14 @@ mod tests {
             let sign = |at: usize| if descriptor[at / 8] >> (at % 8) & 1 == 1 { 1.0 } else { -1.0 };
             (0..sums.len()).map(|at| f64::from(sums[at]) * sign(at)).sum::<f64>()
         };
-        let likest = vlad.likest(&frame, &descriptors, 5);
+        let likest = vlad.likest(&frame, &descriptors, |_| true, 5);
         let mut order: Vec<usize> = (0..30).collect();
         order.sort_by(|&a, &b| score(&descriptors[b]).total_cmp(&score(&descriptors[a])));
         // 4 bits may exchange neighbours
         assert!(likest.iter().all(|exemplar| order[..7].contains(exemplar)), "{likest:?} {order:?}");
         assert!(likest.contains(&order[0]));
-        assert_eq!(vlad.likest(&frame, &descriptors, 99), (0..30).collect::<Vec<_>>());
-        assert_eq!(vlad.likest(&[], &descriptors, 3), [0, 1, 2]);
+        assert_eq!(vlad.likest(&frame, &descriptors, |_| true, 99), (0..30).collect::<Vec<_>>());
+        assert_eq!(vlad.likest(&[], &descriptors, |exemplar| exemplar != 1, 3), [0, 2, 3]);
     }
 
     #[test]
