@@ -65,8 +65,8 @@ async fn metrics_count_requests_by_route_and_status_and_every_stage_of_a_recogni
     let after = metrics(&app).await;
     for stage in Work::Recognition.stages() {
         let count = format!("landmarkd_recognition_stage_seconds_count{{stage=\"{stage}\"}}");
-        let of_objects = ["appearance", "universal", "object"].contains(stage);
-        assert_eq!(after[&count], if of_objects { 0.0 } else { 2.0 }, "{stage}");
+        let of_others = ["fetch", "appearance", "universal", "object"].contains(stage);
+        assert_eq!(after[&count], if of_others { 0.0 } else { 2.0 }, "{stage}");
     }
     let route = "/v1/databases/{database}/recognitions";
     for (status, count) in [(200, 2.0), (404, 1.0)] {
