@@ -178,6 +178,7 @@ pub struct LandmarkStages {
     /// Sub-windows and their spectra.
     pub signature: f64,
     /// Choosing exemplars and reading them, where the version's windows are not in memory; else 0.
+    #[schema(required = false)]
     pub fetch: f64,
     /// Projection and nearest eigenpoints.
     pub search: f64,
