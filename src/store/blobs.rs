@@ -12,7 +12,7 @@ use std::sync::Arc;
 use bytes::Bytes;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
-use object_store::{GetResult, ObjectMeta, ObjectStore, ObjectStoreExt};
+use object_store::{GetOptions, GetResult, ObjectMeta, ObjectStore, ObjectStoreExt};
 use tokio::sync::RwLock;
 use uuid::Uuid;
 
@@ -276,19 +276,17 @@ impl Blobs {
 
     /// Begins to read a blob, wherever it stands.
     async fn open(&self, name: &BlobName) -> Result<GetResult, BlobError> {
-        for path in [name.path(), name.path_aside()] {
-            match self.store.get(&path).await {
-                Err(object_store::Error::NotFound { .. }) => {}
-                other => return Ok(other?),
-            }
-        }
-        Err(self.missing(name).await)
+        self.found(name, GetOptions::default()).await
     }
 
     /// Where a blob stands, and its size.
     async fn locate(&self, name: &BlobName) -> Result<ObjectMeta, BlobError> {
+        Ok(self.found(name, GetOptions { head: true, ..GetOptions::default() }).await?.meta)
+    }
+
+    async fn found(&self, name: &BlobName, wanted: GetOptions) -> Result<GetResult, BlobError> {
         for path in [name.path(), name.path_aside()] {
-            match self.store.head(&path).await {
+            match self.store.get_opts(&path, wanted.clone()).await {
                 Err(object_store::Error::NotFound { .. }) => {}
                 other => return Ok(other?),
             }
