@@ -400,7 +400,7 @@ mod tests {
     use super::*;
     use crate::demo::client::{AnsweredPose, Decision, Recognition, Region};
     use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
+    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
     use landmarkd_core::vision::segmentation::SegmentationOptions;
     use landmarkd_core::workcell::{Correspondence, Mapping, Workcell};
 
@@ -464,11 +464,9 @@ mod tests {
     fn core_answers(parts: &[Part]) -> Vec<InspectedPart> {
         let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
         let normaliser = Normaliser::new(&options, (VIEW_PX as u32, VIEW_PX as u32));
-        let views = views().into_iter().enumerate().map(|(n, view)| View {
-            id: n.to_string(),
-            label: view.label,
-            pose_deg: view.pose_deg,
-            appearance: normaliser.appearance(&frame(&view.png)).unwrap(),
+        let views = views().into_iter().enumerate().map(|(n, view)| {
+            let name = ViewName { id: n.to_string(), label: view.label, pose_deg: view.pose_deg };
+            View::new(&normaliser, name, &frame(&view.png), true).unwrap()
         });
         let (model, _) = train(views.collect(), &normaliser, &options).unwrap();
         let touched =

@@ -223,7 +223,7 @@ mod tests {
     use super::*;
     use crate::demo::client::Decision;
     use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
+    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
 
     fn frame(png: &[u8]) -> Frame {
         decode(png, &DecodeLimits::default()).unwrap()
@@ -237,11 +237,9 @@ mod tests {
     fn core_answers(queries: &[PoseQuery]) -> Vec<Answered<'_>> {
         let options = ObjectOptions::default();
         let normaliser = Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
-        let views = views().into_iter().enumerate().map(|(n, view)| View {
-            id: n.to_string(),
-            label: view.label,
-            pose_deg: view.pose_deg,
-            appearance: normaliser.appearance(&frame(&view.png)).unwrap(),
+        let views = views().into_iter().enumerate().map(|(n, view)| {
+            let name = ViewName { id: n.to_string(), label: view.label, pose_deg: view.pose_deg };
+            View::new(&normaliser, name, &frame(&view.png), true).unwrap()
         });
         let (model, _) = train(views.collect(), &normaliser, &options).unwrap();
         let answer = |query: &PoseQuery| {

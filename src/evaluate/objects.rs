@@ -15,7 +15,7 @@ use crate::database::options::Options;
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::recognition::objects::{
     self, Normaliser, ObjectOptions, Objects, Pose, Recognition, TrainingError, TrainingReport, View,
-    common_size,
+    ViewName, common_size, is_trial,
 };
 
 /// How well a trained database knew the objects of the queries.
@@ -167,16 +167,15 @@ fn train(
     let normaliser = Normaliser::new(options, size_px);
     let mut training_ms = 0.0;
     let mut views = Vec::new();
-    for (label, file) in usable {
+    let count = usable.len();
+    for (place, (label, file)) in usable.into_iter().enumerate() {
         if let Some((frame, _)) = read_frame(&file.path, skipped) {
-            match timed(&mut training_ms, || normaliser.appearance(&frame)) {
+            let id = file.path.display().to_string();
+            let name = ViewName { id, label: label.to_owned(), pose_deg: file.pose_deg };
+            let shown = || View::new(&normaliser, name, &frame, is_trial(place, count));
+            match timed(&mut training_ms, shown) {
                 Err(mismatch) => skipped.push(Skipped::new(&file.path, mismatch)),
-                Ok(appearance) => views.push(View {
-                    id: file.path.display().to_string(),
-                    label: label.to_owned(),
-                    pose_deg: file.pose_deg,
-                    appearance,
-                }),
+                Ok(view) => views.push(view),
             }
         }
         progress.step();

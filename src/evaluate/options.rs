@@ -55,7 +55,7 @@ fn patched(base: Options, members: Map<String, Value>) -> Result<Options, serde_
             Options::Landmarks(serde_json::from_value::<LandmarkOptionsDocument>(members)?.patch(base))
         }
         Options::Objects(base) => {
-            Options::Objects(serde_json::from_value::<ObjectOptionsDocument>(members)?.over(base))
+            Options::Objects(serde_json::from_value::<ObjectOptionsDocument>(members)?.patch(base))
         }
     })
 }

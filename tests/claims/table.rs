@@ -8,7 +8,7 @@ use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::depth::scene::bench_optics;
 use landmarkd_core::depth::{Calibration, DepthOptions, Estimator, FocalPair};
 use landmarkd_core::imaging::{Frame, Image};
-use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, Objects, View, train};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, Objects, View, ViewName, train};
 use landmarkd_core::statistics::quantile_nearest;
 use landmarkd_core::vision::segmentation::SegmentationOptions;
 use landmarkd_core::workcell::{
@@ -44,11 +44,10 @@ fn trained(folder: &Path) -> Objects {
     let normaliser = Normaliser::new(&options, (128, 128));
     let known = (0..OBJECTS).filter(|object| !STRANGE.contains(object));
     let views = known.flat_map(|object| (0..POSES).step_by(2).map(move |pose| (object, pose)));
-    let views = views.map(|(object, pose)| View {
-        id: format!("{object}-{pose}"),
-        label: label(object),
-        pose_deg: Some((STEP_DEG * pose) as f64),
-        appearance: normaliser.appearance(&Frame::gray(picture(folder, object, pose))).unwrap(),
+    let views = views.map(|(object, pose)| {
+        let pose_deg = Some((STEP_DEG * pose) as f64);
+        let name = ViewName { id: format!("{object}-{pose}"), label: label(object), pose_deg };
+        View::new(&normaliser, name, &Frame::gray(picture(folder, object, pose)), true).unwrap()
     });
     train(views.collect(), &normaliser, &options).unwrap().0
 }

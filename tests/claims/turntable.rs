@@ -4,7 +4,8 @@
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::imaging::{Frame, Image};
 use landmarkd_core::recognition::objects::{
-    Dimension, Normaliser, ObjectOptions, Objects, Recognition, Stages, TrainingReport, View, train,
+    Dimension, Normaliser, ObjectOptions, Objects, Recognition, Stages, TrainingReport, View, ViewName,
+    is_trial, train,
 };
 use landmarkd_core::statistics::quantile_nearest;
 
@@ -35,13 +36,14 @@ fn trained(
 ) -> (Objects, TrainingReport) {
     let normaliser = Normaliser::new(options, (128, 128));
     let views = objects.flat_map(|object| (0..POSES).step_by(every).map(move |pose| (object, pose)));
-    let views = views.map(|(object, pose)| View {
-        id: format!("{object}-{pose}"),
-        label: label(object),
-        pose_deg: Some((STEP_DEG * pose) as f64),
-        appearance: normaliser.appearance(&Frame::gray(pictures[object][pose].clone())).unwrap(),
+    let views: Vec<(usize, usize)> = views.collect();
+    let shown = views.iter().enumerate().map(|(place, &(object, pose))| {
+        let pose_deg = Some((STEP_DEG * pose) as f64);
+        let name = ViewName { id: format!("{object}-{pose}"), label: label(object), pose_deg };
+        let frame = Frame::gray(pictures[object][pose].clone());
+        View::new(&normaliser, name, &frame, is_trial(place, views.len())).unwrap()
     });
-    train(views.collect(), &normaliser, options).unwrap()
+    train(shown.collect(), &normaliser, options).unwrap()
 }
 
 fn asked(model: &Objects, picture: &Image) -> Recognition {

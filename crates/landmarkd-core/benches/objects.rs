@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd_core::imaging::encode::png_gray8;
 use landmarkd_core::imaging::{DecodeLimits, Frame, Image, decode};
-use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, Stage, View, train};
+use landmarkd_core::recognition::objects::{
+    Normaliser, ObjectOptions, Stage, View, ViewName, is_trial, train,
+};
 
 const SIDE_PX: usize = 128;
 
@@ -39,13 +41,12 @@ fn objects(criterion: &mut Criterion) {
     let normaliser = Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
     let views: Vec<View> = (0..20)
         .flat_map(|seed| (0..36).map(move |view| (seed, 10.0 * f64::from(view))))
-        .map(|(seed, pose_deg)| View {
-            id: format!("{seed} {pose_deg}"),
-            label: seed.to_string(),
-            pose_deg: Some(pose_deg),
-            appearance: normaliser
-                .appearance(&Frame::gray(thing(seed, pose_deg)))
-                .expect("of the database's size"),
+        .enumerate()
+        .map(|(place, (seed, pose_deg))| {
+            let id = format!("{seed} {pose_deg}");
+            let name = ViewName { id, label: seed.to_string(), pose_deg: Some(pose_deg) };
+            let frame = Frame::gray(thing(seed, pose_deg));
+            View::new(&normaliser, name, &frame, is_trial(place, 720)).expect("of the database's size")
         })
         .collect();
     let (model, report) = train(views.clone(), &normaliser, &options).expect("views differ");

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use landmarkd_core::imaging::{Frame, Image};
-use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
 use landmarkd_core::vision::segmentation::{SegmentationOptions, Threshold, segmented};
 use landmarkd_core::vision::smoothing::smoothed;
 use landmarkd_core::workcell::{Correspondence, Mapping, Stage, Workcell, inspect};
@@ -65,11 +65,9 @@ fn workcell(criterion: &mut Criterion) {
         })
     };
     let turns = (0..plates.len()).flat_map(|n| (0..36).map(move |view| (n, 10.0 * f64::from(view))));
-    let views = turns.map(|(n, pose_deg)| View {
-        id: format!("{n} {pose_deg}"),
-        label: n.to_string(),
-        pose_deg: Some(pose_deg),
-        appearance: normaliser.appearance(&Frame::gray(alone(&plates[n], pose_deg))).expect("a plate"),
+    let views = turns.map(|(n, pose_deg)| {
+        let name = ViewName { id: format!("{n} {pose_deg}"), label: n.to_string(), pose_deg: Some(pose_deg) };
+        View::new(&normaliser, name, &Frame::gray(alone(&plates[n], pose_deg)), true).expect("a plate")
     });
     let (model, _) = train(views.collect(), &normaliser, &options).expect("views differ");
 

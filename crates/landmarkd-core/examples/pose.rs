@@ -10,7 +10,7 @@ use std::{env, fs};
 
 use anyhow::{Context, bail};
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, train};
+use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
@@ -23,12 +23,13 @@ fn main() -> anyhow::Result<()> {
     let mut learnt = Vec::new();
     for label in files(views)? {
         for view in files(&label)? {
-            learnt.push(View {
+            let name = ViewName {
                 id: view.display().to_string(),
                 label: label.file_name().context("a label has a name")?.to_string_lossy().into_owned(),
                 pose_deg: pose_in_name(&view),
-                appearance: normaliser.appearance(&read(&view)?)?,
-            });
+            };
+            // All views are shown again, disturbed, for the confidence.
+            learnt.push(View::new(&normaliser, name, &read(&view)?, true)?);
         }
     }
     let (model, report) = train(learnt, &normaliser, &options)?;
@@ -36,7 +37,11 @@ fn main() -> anyhow::Result<()> {
 
     let recognition = model.recognise(&picture, |_stage| ())?;
     match &recognition.decision {
-        None => println!("unknown {:?}", recognition.warnings),
+        None => {
+            let why =
+                recognition.reasons.iter().map(|reason| format!("{}: {}", reason.detail(), reason.remedy()));
+            println!("unknown; {}", why.collect::<Vec<_>>().join("; "));
+        }
         Some(decision) => match decision.pose {
             Some(pose) if pose.reliable => {
                 println!("{} turned by {:.1}° ± {:.1}°", decision.label, pose.turn_deg, pose.sigma_deg);

@@ -130,7 +130,7 @@ impl Options {
             }
             Kind::Objects => {
                 let document: ObjectOptionsDocument = serde_json::from_str(text).map_err(malformed)?;
-                Self::Objects(document.over(ObjectOptions::default()))
+                Self::Objects(document.read_kept())
             }
         };
         let members: Map<String, Value> = serde_json::from_str(text).map_err(malformed)?;
@@ -252,7 +252,7 @@ pub enum DocumentError {
 mod tests {
     use super::*;
     use landmarkd_core::recognition::landmarks::{Colour, Method, Taper, Viewpoint};
-    use landmarkd_core::recognition::objects::{Dimension, Distance, Resize, Search, Stages};
+    use landmarkd_core::recognition::objects::{AppearanceOf, Dimension, Distance, Resize, Search, Stages};
 
     fn intensity(viewpoint: Viewpoint) -> LandmarkOptions {
         LandmarkOptions::with_signature(Method::Placement, viewpoint, Signature::Intensity)
@@ -273,6 +273,8 @@ mod tests {
         };
         let upright = LandmarkOptions { position_prior_px: Some(40.0), ..intensity(Viewpoint::Upright) };
         let objects = ObjectOptions {
+            appearance: AppearanceOf::Intensity,
+            colour: Colour::Gray,
             width_px: Some(64),
             height_px: Some(48),
             resize: Resize::Never,
@@ -308,6 +310,10 @@ mod tests {
         );
         assert_eq!(
             Options::default_of(Kind::Objects).to_document(),
+            r#"{"width_px":null,"height_px":null,"resize":"fit","appearance":"gradient","colour":"auto","smoothing":0.01171875,"dimension":"auto","stages":"universal_then_object","search":"kd_tree","distance":"euclidean","accept":0.98}"#
+        );
+        assert_eq!(
+            Options::Objects(ObjectOptions::of(AppearanceOf::Intensity)).to_document(),
             r#"{"width_px":null,"height_px":null,"resize":"fit","smoothing":0.0234375,"dimension":"auto","stages":"universal_then_object","search":"kd_tree","distance":"euclidean","accept":0.97}"#
         );
     }

@@ -3,10 +3,18 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::landmarks::ColourWord;
 use super::present_or_null;
 use crate::database::words::{AutoWord, words};
-use landmarkd_core::recognition::objects::{Dimension, Distance, ObjectOptions, Resize, Search, Stages};
+use landmarkd_core::recognition::objects::{
+    AppearanceOf, Dimension, Distance, ObjectOptions, Resize, Search, Stages,
+};
 
+words!(
+    /// What is compared: orientation histograms of the gradient, after the picture is aligned with the object; or gray levels, as
+    /// they are.
+    AppearanceWord, AppearanceOf, { Gradient, Intensity }
+);
 words!(
     /// What becomes of a picture of another size: it is scaled to fit, centred on black, and the answer or report says
     /// so; or it is refused.
@@ -58,6 +66,14 @@ impl From<DimensionDocument> for Dimension {
 options_document!(
     /// Options of a database of kind `objects`.
     ObjectOptionsDocument as ObjectOptionsBody, ObjectOptions, {
+        /// One that is changed brings the defaults of `smoothing`, `colour` and `accept` with it.
+        #[schema(required = false)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        appearance: AppearanceWord,
+        /// Of an appearance of gradients; gray of one of intensities.
+        #[schema(required = false)]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        colour: ColourWord,
         /// Width of the database's pictures; null, as the height then: the commonest size among the exemplars.
         #[schema(value_type = Option<usize>, minimum = 8, maximum = 1024)]
         #[serde(default, deserialize_with = "present_or_null", skip_serializing_if = "Option::is_none")]
@@ -92,8 +108,27 @@ options_document!(
     }
 );
 
-/// The document as it is kept, of which digests are made: `segment` comes before `smoothing`, and only where it is true,
-/// as digests from before it was an option have it.
+impl ObjectOptionsDocument {
+    /// The options of a kept document: without an `appearance` it is from before there was another than of intensities.
+    pub(super) fn read_kept(self) -> ObjectOptions {
+        let appearance = self.appearance.map_or(AppearanceOf::Intensity, AppearanceOf::from);
+        self.over(ObjectOptions::of(appearance))
+    }
+
+    /// The options `base` changed by this document: one that names another appearance brings its defaults.
+    pub fn patch(self, base: ObjectOptions) -> ObjectOptions {
+        let appearance = self.appearance.map_or(base.appearance, AppearanceOf::from);
+        let ObjectOptions { smoothing, colour, accept, .. } = ObjectOptions::of(appearance);
+        let base = match appearance == base.appearance {
+            true => base,
+            false => ObjectOptions { smoothing, colour, accept, ..base },
+        };
+        self.over(base)
+    }
+}
+
+/// The document as it is kept, of which digests are made: `segment` comes before `smoothing`, and only where it is true, and
+/// `appearance` and `colour` only of gradients, as digests from before they were options have it.
 #[derive(Serialize)]
 pub(super) struct KeptObjectOptions {
     width_px: Option<usize>,
@@ -107,6 +142,11 @@ pub(super) struct KeptObjectOptions {
 
 impl From<&ObjectOptions> for KeptObjectOptions {
     fn from(options: &ObjectOptions) -> Self {
+        let whole = ObjectOptionsDocument::from(options.clone());
+        let rest = match options.appearance {
+            AppearanceOf::Gradient => whole,
+            AppearanceOf::Intensity => ObjectOptionsDocument { appearance: None, colour: None, ..whole },
+        };
         Self {
             width_px: options.width_px,
             height_px: options.height_px,
@@ -117,7 +157,7 @@ impl From<&ObjectOptions> for KeptObjectOptions {
                 height_px: None,
                 resize: None,
                 segment: None,
-                ..options.clone().into()
+                ..rest
             },
         }
     }

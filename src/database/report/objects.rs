@@ -31,6 +31,11 @@ pub struct ObjectsReport {
     pub confusion: Vec<ConfusionReport>,
     /// How left-out views and unknown objects fared; null if no object has two views.
     pub held_out: Option<HeldOutReport>,
+    /// The least part of an object that a frame has to explain; null with `appearance: "intensity"`, and if it could not be
+    /// told.
+    #[schema(required = false)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_explained: Option<f64>,
     /// By object.
     pub objects: Vec<ObjectReport>,
     /// Pairs of exemplars that are all but the same picture.
@@ -104,7 +109,8 @@ pub struct ObjectReport {
     pub views: u64,
     /// Of these, with a pose.
     pub views_with_pose: u64,
-    /// The largest total distance that is accepted as this object; null if it could not be told.
+    /// The largest total distance that is accepted as this object; null if it could not be told, and where the explained
+    /// part decides.
     pub threshold: Option<f64>,
     /// Pose errors of left-out views; null if there are too few.
     pub pose: Option<PoseErrorsReport>,
@@ -153,6 +159,7 @@ impl From<&TrainingReport> for ObjectsReport {
             vector_length: report.vector_length as u64,
             rate_by_dimension: report.rate_by_dimension.iter().map(DimensionRateReport::from).collect(),
             confusion: report.confusion.iter().map(ConfusionReport::from).collect(),
+            least_explained: report.least_explained,
             held_out: report.held_out.as_ref().map(HeldOutReport::from),
             objects: report.objects.iter().map(ObjectReport::from).collect(),
             near_duplicates: pairs(&report.near_duplicates),

@@ -28,7 +28,7 @@ pub fn patched(base: Options, body: &Map<String, Value>) -> Result<Options, Prob
         }
         Options::Objects(base) => {
             let (document, faults) = read_members::<ObjectOptionsDocument>(AT, body);
-            (Options::Objects(document.over(base)), faults)
+            (Options::Objects(document.patch(base)), faults)
         }
     };
     faults.extend(field_errors(AT, options.faults()));

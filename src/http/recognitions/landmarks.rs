@@ -4,7 +4,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, Drawn, EvidenceBody, StagesBody, Wanted};
+use super::{Answer, DecisionBody, Drawn, EvidenceBody, ReasonBody, StagesBody, Wanted};
 use crate::http::problem::{Code, Problem};
 use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
@@ -65,18 +65,6 @@ pub struct GuessBody {
     /// Id of the exemplar that agrees most; null where none is laid on the frame.
     pub exemplar: Option<String>,
     pub evidence: Option<AContrarioBody>,
-}
-
-/// Why a decision is null.
-#[derive(Debug, Serialize, ToSchema)]
-pub struct ReasonBody {
-    /// One of `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `known_background`, `mirrored`,
-    /// `unlike_anything`.
-    pub code: &'static str,
-    /// What was seen.
-    pub detail: String,
-    /// What to do about it.
-    pub remedy: String,
 }
 
 impl From<&AContrario> for AContrarioBody {

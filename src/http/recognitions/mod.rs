@@ -108,6 +108,18 @@ pub struct DecisionBody {
     pub confidence: Option<f64>,
 }
 
+/// Why a decision is null.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ReasonBody {
+    /// Landmarks: `too_dark`, `over_exposed`, `little_to_see`, `ambiguous`, `weak_evidence`, `known_background`, `mirrored`,
+    /// `unlike_anything`. Objects: `light`, `off_centre`, `scale`, `hidden`, `between_views`, `unlike_anything`.
+    pub code: &'static str,
+    /// What was seen.
+    pub detail: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
 /// How long the parts of a recognition took, in milliseconds.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct TimingsBody {

@@ -3,13 +3,13 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, StagesBody, Wanted};
+use super::{Answer, DecisionBody, Drawing, Drawn, EvidenceBody, ReasonBody, StagesBody, Wanted};
 use crate::http::problem::Problem;
 use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
 use landmarkd_core::imaging::encode::png_gray8;
 use landmarkd_core::recognition::objects::{
-    Candidate, Decision, Objects, Pose, Reconstruction, Stage, annotate,
+    Alignment, Candidate, Decision, Objects, Pose, Reason, Reconstruction, Stage, annotate,
 };
 
 /// What speaks for the answer of an object database.
@@ -20,9 +20,28 @@ pub struct ObjectEvidence {
     /// How the object is turned; null without a decision, when fewer than three exemplars differ in pose, or while the
     /// version isn't calibrated.
     pub pose: Option<PoseBody>,
+    /// Where the object stands in the frame; null without a decision, and with `appearance: "intensity"`.
+    #[schema(required = false)]
+    pub alignment: Option<AlignmentBody>,
+    /// Why the decision is null, the likeliest first; empty where there is one.
+    #[schema(required = false)]
+    pub reasons: Vec<ReasonBody>,
 }
 
-/// An object that was looked at closely. Distances are between pictures of unit energy: 0 is equal, √2 nothing in
+/// Where an object stands in a frame, relative to where its exemplars stand in theirs. Its appearance is read there.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct AlignmentBody {
+    /// To the right, in pixels of the database's pictures; with `segment` of the crop.
+    pub shift_x_px: f64,
+    /// Down.
+    pub shift_y_px: f64,
+    /// Size in the frame over that in the exemplars.
+    pub scale: f64,
+    /// Turn in the frame's plane, clockwise as seen.
+    pub turn_deg: f64,
+}
+
+/// An object that was looked at closely. Distances are between appearances of length one: 0 is equal, √2 nothing in
 /// common.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct CandidateBody {
@@ -31,8 +50,15 @@ pub struct CandidateBody {
     pub distance_in_space: f64,
     /// What of the picture the eigenspace can't express.
     pub distance_from_space: f64,
-    /// The largest total distance √(in² + from²) that is accepted as this object; null while it isn't calibrated.
+    /// The largest total distance √(in² + from²) that is accepted as this object; null while it isn't calibrated, and where
+    /// `explained` decides.
     pub threshold: Option<f64>,
+    /// The part of the object that the frame shows, 0 to 1, once aligned; null with `appearance: "intensity"`.
+    #[schema(required = false)]
+    pub explained: Option<f64>,
+    /// The least such part that is accepted; null while it isn't calibrated.
+    #[schema(required = false)]
+    pub least_explained: Option<f64>,
     /// By the covariance of the object's views; with `distance: "mahalanobis"` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mahalanobis: Option<f64>,
@@ -69,6 +95,12 @@ impl From<&Decision> for DecisionBody {
     }
 }
 
+impl From<&Reason> for ReasonBody {
+    fn from(reason: &Reason) -> Self {
+        Self { code: reason.code(), detail: reason.detail(), remedy: reason.remedy() }
+    }
+}
+
 impl From<&Candidate> for CandidateBody {
     fn from(candidate: &Candidate) -> Self {
         Self {
@@ -76,8 +108,17 @@ impl From<&Candidate> for CandidateBody {
             distance_in_space: candidate.distance_in_space,
             distance_from_space: candidate.distance_from_space,
             threshold: candidate.threshold,
+            explained: candidate.explained,
+            least_explained: candidate.least_explained,
             mahalanobis: candidate.mahalanobis,
         }
+    }
+}
+
+impl From<Alignment> for AlignmentBody {
+    fn from(alignment: Alignment) -> Self {
+        let Alignment { shift_x_px, shift_y_px, scale, turn_deg } = alignment;
+        Self { shift_x_px, shift_y_px, scale, turn_deg }
     }
 }
 
@@ -122,6 +163,8 @@ pub(super) fn answer(
         evidence: EvidenceBody::Objects(ObjectEvidence {
             candidates: recognition.candidates.iter().take(wanted.top).map(CandidateBody::from).collect(),
             pose: decision.and_then(|decision| decision.pose).map(PoseBody::from),
+            alignment: decision.and_then(|decision| decision.alignment).map(AlignmentBody::from),
+            reasons: recognition.reasons.iter().map(ReasonBody::from).collect(),
         }),
         stages: StagesBody::Objects(ObjectStages { appearance, universal, object }),
         drawn: match wanted.drawing {

@@ -9,7 +9,8 @@ use crate::jobs::worker::Worker;
 use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::objects::{
-    self, MAX_SIDE_PX, Normaliser, ObjectOptions, Resize, TrainingError, View, common_size,
+    self, MAX_SIDE_PX, Normaliser, ObjectOptions, Resize, TrainingError, View, ViewName, common_size,
+    is_trial,
 };
 
 /// Why exemplars can't be trained into an object database, as far as their rows show.
@@ -144,13 +145,13 @@ pub(super) async fn train(
     }
     let commonest_px = common_size(exemplars.iter().map(size_px)).ok_or(UnfitExemplars::TooFew)?;
     let normaliser = Normaliser::new(&options, commonest_px);
-    let with = normaliser.clone();
-    let described = worker.each("describing", exemplars, None, move |_, row, frame| {
-        let appearance = with.appearance(frame).map_err(|error| {
+    let (with, count) = (normaliser.clone(), exemplars.len());
+    let described = worker.each("describing", exemplars, None, move |place, row, frame| {
+        let name = ViewName { id: row.id.to_string(), label: row.label.clone(), pose_deg: row.pose_deg };
+        View::new(&with, name, frame, is_trial(place, count)).map_err(|error| {
             let text = format!("exemplar {}: {error}; delete it, or train with resize fit", row.id);
             Stop::failed(Code::ImageSizeMismatch, text)
-        })?;
-        Ok(View { id: row.id.to_string(), label: row.label.clone(), pose_deg: row.pose_deg, appearance })
+        })
     });
     let (views, describe_ms) = described.await?;
     let fit = move || {
@@ -171,6 +172,7 @@ pub(super) async fn train(
 mod tests {
     use super::*;
     use jiff::Timestamp;
+    use landmarkd_core::recognition::objects::AppearanceOf;
     use uuid::Uuid;
 
     fn row(sha256: u8, width_px: u32, height_px: u32) -> ExemplarRow {
@@ -217,7 +219,7 @@ mod tests {
 
     #[test]
     fn more_than_memory_holds_is_refused_before_anything_is_read() {
-        let raw = ObjectOptions { smoothing: 0.0, ..Default::default() };
+        let raw = ObjectOptions { smoothing: 0.0, ..ObjectOptions::of(AppearanceOf::Intensity) };
         let rows: Vec<ExemplarRow> = (0..255).map(|n| row(n, 4000, 3000)).collect();
         assert_eq!(UnfitExemplars::among(&rows, &raw), None, "shrunk to 1024 px they fit");
         let many: Vec<ExemplarRow> = rows.iter().cycle().take(800).cloned().collect();

@@ -7,6 +7,7 @@
 //! addition and no sum is reordered, so both give the same bits.
 
 pub mod gradient;
+pub mod gradient_field;
 pub mod gradient_signature;
 pub mod harris;
 pub mod interest_points;
@@ -21,6 +22,7 @@ pub mod symmetry;
 pub mod theta_spectrum;
 
 pub use gradient::{Gradient, PaddedGradient, gradient, gradient_at};
+pub use gradient_field::{GradientField, Similarity};
 pub use harris::harris;
 pub use interest_points::{InterestPoint, bucketed, interest_points};
 pub use opponent::OpponentPlan;

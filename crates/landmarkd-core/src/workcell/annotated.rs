@@ -152,7 +152,12 @@ mod tests {
                 region: segmentation.regions[0].clone(),
                 robot_mm: Some([120.0, -30.0]),
                 robot_deg: None,
-                recognition: Recognition { decision, candidates: Vec::new(), warnings: Vec::new() },
+                recognition: Recognition {
+                    decision,
+                    candidates: Vec::new(),
+                    reasons: Vec::new(),
+                    warnings: Vec::new(),
+                },
                 is_in_pair: distance.is_some(),
                 distance,
             }],
@@ -162,7 +167,12 @@ mod tests {
         let drawn_with =
             |decision, depth, colour| drawn(annotate(&frame, &inspection(decision, depth)), colour);
         let pose = |reliable| Pose { turn_deg: 70.0, sigma_deg: 1.5, reliable, alternative_deg: None };
-        let known = |reliable| Decision { label: "mug".into(), confidence: None, pose: Some(pose(reliable)) };
+        let known = |reliable| Decision {
+            label: "mug".into(),
+            confidence: None,
+            pose: Some(pose(reliable)),
+            alignment: None,
+        };
         let count = |decision, colour| drawn_with(decision, None, colour);
         assert!(count(Some(known(true)), KNOWN) > 200 && count(Some(known(true)), UNKNOWN) == 0);
         assert!(count(Some(known(false)), KNOWN) > 200 && count(Some(known(false)), UNKNOWN) > 20);

@@ -153,7 +153,7 @@ pub fn inspect(
     let segmentation = segmented(&overview.luminance, &workcell.segmentation); // B§3
     finished(Stage::Segment);
     let part = |region: &Region| {
-        let recognition = model.recognise_region(&overview.luminance, &segmentation, region, |stage| {
+        let recognition = model.recognise_region(overview, &segmentation, region, |stage| {
             finished(match stage {
                 objects::Stage::Appearance => Stage::Crop,
                 objects::Stage::Universal | objects::Stage::Object => Stage::Recognise, // B§5

@@ -6,6 +6,7 @@ use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
 
 use crate::imaging::Frame;
+pub use crate::recognition::Colour;
 use crate::recognition::OptionFault;
 use crate::vision::theta_spectrum::FREQUENCIES;
 pub use crate::vision::{Normalise, Taper};
@@ -81,22 +82,6 @@ pub enum Operator {
     /// right by 304 points, symmetry 0.99 by 440; 111 frames of a corridor: 0.60, symmetry 0.69. The difference of
     /// Gaussians (0.96 by 410; 0.67), and all three in turn (0.95 by 500; 0.67), helped nowhere and are not here.
     Harris,
-}
-
-/// The colour planes of signatures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
-    /// Opponent if every exemplar is in colour, else gray.
-    ///
-    /// Measured with the paper's vote and these defaults, gray → opponent. Rooms and corridors seen 1, 2
-    /// and 3 s away (20 places, 40 frames each): 0.30 → 0.73, 0.23 → 0.38, 0.08 → 0.25 right. Objects on
-    /// photographs, 30 % occluded, and both (12 objects, 240 frames each): 0.48 → 0.50, 0.59 → 0.57,
-    /// 0.38 → 0.33: no difference beyond sampling error.
-    Auto,
-    /// Luminance only.
-    Gray,
-    /// Luminance, and the two opponent planes r − g and b − (r + g)/2.
-    Opponent,
 }
 
 /// How W of a label's exemplars combine to W of the label.

@@ -104,6 +104,11 @@ impl Logistic {
         Logistic { offset: (h11 * g0 - h01 * g1) / determinant, slope: (h00 * g1 - h01 * g0) / determinant }
     }
 
+    /// The evidence at which right and wrong are as likely; `None` if it doesn't tell them apart.
+    pub fn even(&self) -> Option<f64> {
+        (self.slope < 0.0).then(|| -self.offset / self.slope)
+    }
+
     /// The probability that an answer with evidence `x` is right, if known and unknown objects are equally frequent.
     pub fn at(&self, x: f64) -> f64 {
         1.0 / (1.0 + (-(self.offset + self.slope * x)).exp())

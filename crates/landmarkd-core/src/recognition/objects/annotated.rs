@@ -38,12 +38,18 @@ pub fn annotate(frame: &Frame, recognition: &Recognition) -> Overlay {
     overlay
 }
 
-/// Label, total distance (B(16): in the space and from it), and the largest that is accepted.
+/// Label, and the part of the object that is explained with the least that is accepted; of intensities the total distance
+/// (B(16): in the space and from it) with the largest.
 fn candidate_text(candidate: &Candidate) -> String {
+    let Candidate { label, explained, least_explained, threshold, .. } = candidate;
     let distance = candidate.distance_in_space.hypot(candidate.distance_from_space);
-    match candidate.threshold {
-        Some(threshold) => format!("{}  {distance:.3} of {threshold:.3}", candidate.label),
-        None => format!("{}  {distance:.3}", candidate.label),
+    match (explained, least_explained, threshold) {
+        (Some(part), Some(least), _) => {
+            format!("{label}  {:.0}% (least {:.0}%)", 100.0 * part, 100.0 * least)
+        }
+        (Some(part), None, _) => format!("{label}  {:.0}%", 100.0 * part),
+        (None, _, Some(threshold)) => format!("{label}  {distance:.3} of {threshold:.3}"),
+        (None, _, None) => format!("{label}  {distance:.3}"),
     }
 }
 
@@ -82,10 +88,13 @@ mod tests {
             distance_from_space: 0.01,
             threshold: Some(0.2),
             mahalanobis: None,
+            explained: None,
+            least_explained: None,
         };
-        let decision = decided.then(|| Decision { label: "mug".into(), confidence: Some(0.9), pose });
+        let decision =
+            decided.then(|| Decision { label: "mug".into(), confidence: Some(0.9), pose, alignment: None });
         let candidates = vec![candidate("mug", 0.05), candidate("jug", 0.4)];
-        Recognition { decision, candidates, warnings: Vec::new() }
+        Recognition { decision, candidates, reasons: Vec::new(), warnings: Vec::new() }
     }
 
     /// How many pixels of a colour stand right of and below the middle.

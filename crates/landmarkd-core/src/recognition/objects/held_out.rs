@@ -5,6 +5,7 @@ use super::acceptance::{Acceptance, Logistic};
 use super::manifold::{DistinctPoses, ONE_POSE_DEG};
 use super::model::{CANDIDATES, NearObject, Objects};
 use super::object::{KnownObject, Query, ViewSet, euclidean_distance};
+use super::options::AppearanceOf;
 use super::training::ProjectedViews;
 use crate::angle::angular_distance_deg;
 use crate::statistics::quantile;
@@ -119,7 +120,7 @@ impl LabelledPoints<'_> {
                 && self.poses_deg[view].zip(self.poses_deg[other]).is_some_and(is_same)
     }
 
-    fn point(&self, view: usize) -> &[f32] {
+    pub fn point(&self, view: usize) -> &[f32] {
         &self.points[view * self.dimension..][..self.dimension]
     }
 
@@ -164,11 +165,13 @@ pub(super) struct Trial {
     /// Expected distance from its own object, as a query; `None` if that has no other view.
     pub own_distance: Option<f64>,
     /// Whether its own object was among the likeliest: those alone are compared in their own eigenspaces.
-    is_likely: bool,
+    pub is_likely: bool,
     /// The other object that would be answered.
     pub other: Option<NearObject>,
     /// Where the order of the universal eigenspace decides: whether its own object comes first.
-    own_is_first: Option<bool>,
+    pub own_is_first: Option<bool>,
+    /// Of an aligned view: the error of its pose over the standard deviation that the fit gives.
+    pub pose_ratio: Option<f64>,
 }
 
 impl Trial {
@@ -281,24 +284,24 @@ impl HeldOutStatistics {
             false => (others.min_by(NearObject::by_distance), None),
         };
         let own_distance = held_out.distance.map(|distance| distance * self.distance_ratio.sqrt());
-        Trial { object, own_distance, is_likely, other, own_is_first }
+        Trial { object, own_distance, is_likely, other, own_is_first, pose_ratio: None }
     }
 
-    /// B(16): the threshold that accepts a part `accept` of the known, the radius that loses none of them, and the
-    /// confidence.
+    /// B(16): the threshold that accepts a part `accept` of the known, but nothing that is as likely to be wrong; the radius
+    /// that loses none of them, and the confidence.
     pub fn acceptance(
         &self,
-        objects: &[KnownObject],
+        model: &Objects,
         trials: &[Trial],
         points: &LabelledPoints,
-        accept: f64,
     ) -> Option<Acceptance> {
-        let relative = |found: NearObject| found.distance / objects[found.object].root_scale();
+        let objects = &model.objects;
+        let relative = |found: NearObject| match model.options.appearance {
+            AppearanceOf::Intensity => found.distance / objects[found.object].root_scale(),
+            AppearanceOf::Gradient => found.distance,
+        };
         let own: Vec<f64> = trials.iter().filter_map(|trial| trial.own().map(relative)).collect();
-        let threshold = quantile(&own, accept)?;
-        // what is accepted lies so far from the curve, and the curve no farther from a view than the next one is
-        let steps = points.widest_steps(objects.len());
-        let radius = objects.iter().zip(steps).map(|(object, step)| threshold * object.root_scale() + step);
+        let accepting = quantile(&own, model.options.accept)?;
         let evidence = |found| f64::max(relative(found), f64::MIN_POSITIVE).ln();
         let (mut right, mut wrong) = (Vec::new(), Vec::new());
         for trial in trials {
@@ -307,12 +310,20 @@ impl HeldOutStatistics {
             }
             wrong.extend(trial.other.map(evidence));
         }
+        let confidence = (!right.is_empty() && !wrong.is_empty()).then(|| Logistic::fit(&right, &wrong));
+        let even = confidence.and_then(|fit| fit.even()).map_or(f64::INFINITY, f64::exp);
+        let threshold = accepting.min(even);
+        // what is accepted lies so far from the curve, and the curve no farther from a view than the next one is
+        let steps = points.widest_steps(objects.len());
+        let radius = objects.iter().zip(steps).map(|(object, step)| threshold * object.root_scale() + step);
+        let ratios: Vec<f64> = trials.iter().filter_map(|trial| trial.pose_ratio).collect();
+        let aligned_part = quantile(&ratios, 0.5).map(|median| SIGMA_OF_MEDIAN * median);
         Some(Acceptance {
             distance_ratio: self.distance_ratio,
-            tangential_part: self.tangential_part,
+            tangential_part: aligned_part.unwrap_or(self.tangential_part),
             radius: radius.fold(0.0, f64::max),
             threshold,
-            confidence: (!right.is_empty() && !wrong.is_empty()).then(|| Logistic::fit(&right, &wrong)),
+            confidence,
         })
     }
 }

@@ -197,6 +197,28 @@ impl Manifold {
         })
     }
 
+    /// The point of the curve at a turn, of an open arc at its end if it is beyond.
+    pub fn point(&self, turn_deg: f64) -> Vec<f32> {
+        self.at(self.held(turn_deg)).map(|coordinate| coordinate.value as f32).collect()
+    }
+
+    /// The turn itself if the curve is closed, else the nearest one on the arc.
+    pub fn held(&self, turn_deg: f64) -> f64 {
+        let (first, end) = (self.knots_deg[0], self.end_deg());
+        let turn_deg = first + (turn_deg - first).rem_euclid(360.0);
+        match self.closed || turn_deg <= end {
+            true => turn_deg,
+            false if turn_deg - end > first + 360.0 - turn_deg => first,
+            false => end,
+        }
+    }
+
+    /// Whether a turn is at an end of an open arc, or beyond.
+    pub fn is_end(&self, turn_deg: f64) -> bool {
+        let held = self.held(turn_deg);
+        !self.closed && (held <= self.knots_deg[0] || held >= self.end_deg())
+    }
+
     /// The points of the curve nearest to a query: from the nearest samples by Newton's method on half the squared
     /// distance.
     pub fn project(&self, query: &[f32]) -> CurveProjection {

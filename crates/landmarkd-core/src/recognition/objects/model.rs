@@ -1,12 +1,17 @@
 //! A trained object database: an immutable value that recognises pictures.
 
 use super::acceptance::Acceptance;
-use super::appearance::{Appearance, Normaliser, SizeMismatch};
-use super::object::{KnownObject, ObjectDistance, Query};
-use super::options::{Distance, ObjectOptions, Stages};
-use super::recognition::{Candidate, Decision, Recognition, Warning};
+use super::alignment::Fit;
+use super::appearance::{Normaliser, Reading, SizeMismatch};
+use super::hypothesis::Reach;
+use super::object::{KnownObject, Query};
+use super::options::{AppearanceOf, Distance, ObjectOptions, Stages};
+use super::ranked_object::{RankedObject, explained_part};
+use super::reason::Reason;
+use super::recognition::{Candidate, Decision, Pose, Recognition, Warning};
 use crate::eigen::{ClassCovariance, EigenError, Eigenspace, RadiusIndex};
 use crate::imaging::{Frame, Image};
+use crate::vision::GradientField;
 use crate::vision::segmentation::{Region, Segmentation};
 
 /// Objects that are compared in their own eigenspaces. On 20 objects and 12 dimensions the right one is always among
@@ -14,6 +19,8 @@ use crate::vision::segmentation::{Region, Segmentation};
 pub(super) const CANDIDATES: usize = 5;
 /// A warning is given when the next object is not farther than so many times.
 const CLOSE_SECOND: f64 = 1.1;
+/// … or explains no less than this part of what the first does.
+const CLOSE_SECOND_PART: f64 = 0.8;
 
 /// The steps of a recognition, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,13 +82,6 @@ struct Shortlist {
     is_near: bool,
 }
 
-/// An object of the shortlist, compared in its own eigenspace.
-struct RankedObject {
-    object: usize,
-    mahalanobis: Option<f64>,
-    distance: ObjectDistance,
-}
-
 /// B(15): the covariance of each object's eigenpoints, if the option asks for it. `points` are views × dimension.
 pub(super) fn class_covariances(
     distance: Distance,
@@ -106,46 +106,63 @@ impl Objects {
         frame: &Frame,
         mut finished: impl FnMut(Stage),
     ) -> Result<Recognition, SizeMismatch> {
-        let appearance = self.normaliser.appearance(frame)?; // B(7)
+        let reading = self.normaliser.read(frame)?; // B(7)
         finished(Stage::Appearance);
         let blank = if self.options.segment { Warning::NoRegion } else { Warning::Blank };
-        Ok(self.recognise_appearance(&appearance, blank, finished))
+        Ok(self.recognise_reading(&reading, blank, finished))
     }
 
     /// Recognise a region of a picture, cropped and normalised as exemplars are with `segment`. Calls `finished` after
     /// each stage.
     pub fn recognise_region(
         &self,
-        luminance: &Image,
+        frame: &Frame,
         segmentation: &Segmentation,
         region: &Region,
         mut finished: impl FnMut(Stage),
     ) -> Recognition {
-        let appearance = self.normaliser.region_appearance(luminance, segmentation, region); // B(7)
+        let reading = self.normaliser.read_region(frame, segmentation, region); // B(7)
         finished(Stage::Appearance);
-        self.recognise_appearance(&appearance, Warning::Blank, finished)
+        self.recognise_reading(&reading, Warning::Blank, finished)
     }
 
     /// `blank` is the warning for a blank appearance.
-    fn recognise_appearance(
+    fn recognise_reading(
         &self,
-        appearance: &Appearance,
+        Reading { appearance, field }: &Reading,
         blank: Warning,
         mut finished: impl FnMut(Stage),
     ) -> Recognition {
         let mut warnings = appearance.warnings();
         if appearance.is_blank() {
             warnings.push(blank);
-            return Recognition { decision: None, candidates: Vec::new(), warnings };
+            let reasons = vec![Reason::Light { over_exposed: appearance.over_exposed }];
+            return Recognition { decision: None, candidates: Vec::new(), reasons, warnings };
         }
-        let query = Query::new(&self.universal, &appearance.vector); // B(13)
-        let shortlist = self.shortlist(&query.point); // B(14), B(15)
-        finished(Stage::Universal);
-        let ranked = self.rank(&query, &shortlist);
-        let accepted = ranked.first().filter(|best| shortlist.is_near && self.accepts(best)); // B(16)
+        let (ranked, is_near) = match field {
+            None => {
+                let query = Query::new(&self.universal, &appearance.vector); // B(13)
+                let shortlist = self.shortlist(&query.point); // B(14), B(15)
+                finished(Stage::Universal);
+                (self.ranked_by_distance(&query, &shortlist.objects), shortlist.is_near)
+            }
+            Some(field) => {
+                let hypotheses = self.hypotheses(field, Reach::Near, |_| false); // B(13), B(14)
+                finished(Stage::Universal);
+                let views_of = |object: usize| &self.objects[object].views;
+                (self.ranked_by_alignment(field, Reach::Near, &hypotheses, views_of), true)
+            }
+        };
+        let accepted = ranked.first().filter(|best| is_near && self.accepts(best)); // B(16)
         warnings.extend(self.doubts(&ranked, accepted.is_some()));
+        let decision = accepted.map(|best| self.decide(best, field.as_ref()));
         let recognition = Recognition {
-            decision: accepted.map(|best| self.decide(best)),
+            reasons: if decision.is_none() {
+                self.reasons(appearance, field.as_ref(), &ranked)
+            } else {
+                Vec::new()
+            },
+            decision,
             candidates: ranked.iter().map(|object| self.candidate(object)).collect(),
             warnings,
         };
@@ -184,32 +201,39 @@ impl Objects {
         self.options.stages == Stages::UniversalOnly && self.covariances.is_some()
     }
 
-    /// The objects of the shortlist, the one that is answered first.
-    fn rank(&self, query: &Query, shortlist: &Shortlist) -> Vec<RankedObject> {
-        let ranked = |near: &NearObject| RankedObject {
-            object: near.object,
-            mahalanobis: self.covariances.is_some().then_some(near.distance),
-            distance: self.objects[near.object].distance(query),
-        };
-        let mut ranking: Vec<RankedObject> = shortlist.objects.iter().map(ranked).collect();
-        if !self.covariance_decides() {
-            ranking.sort_by(|a, b| a.distance.total().total_cmp(&b.distance.total()));
-        }
-        ranking
-    }
-
     fn accepts(&self, ranked: &RankedObject) -> bool {
-        self.threshold(ranked.object).is_none_or(|threshold| ranked.distance.total() <= threshold)
+        self.acceptance.as_ref().is_none_or(|acceptance| ranked.relative <= acceptance.threshold)
     }
 
-    /// B(16): the largest total distance that is accepted as an object.
+    /// B(16): the largest total distance that is accepted as an object; `None` where the explained part decides.
     pub(super) fn threshold(&self, object: usize) -> Option<f64> {
-        Some(self.acceptance.as_ref()?.threshold * self.objects[object].root_scale())
+        let by_distance =
+            self.acceptance.as_ref().filter(|_| self.options.appearance == AppearanceOf::Intensity);
+        Some(by_distance?.threshold * self.objects[object].root_scale())
+    }
+
+    /// Whether a held-out view at a distance from an object is accepted as it; of gradients the distance is the ratio of what is
+    /// not explained.
+    pub(super) fn is_accepted(&self, found: NearObject) -> bool {
+        let most = match self.options.appearance {
+            AppearanceOf::Intensity => self.threshold(found.object),
+            AppearanceOf::Gradient => self.acceptance.as_ref().map(|acceptance| acceptance.threshold),
+        };
+        most.is_some_and(|most| found.distance <= most)
+    }
+
+    /// The least part of an object that a picture has to explain; `None` where the distance decides.
+    pub fn least_explained(&self) -> Option<f64> {
+        let by_part = self.acceptance.as_ref().filter(|_| self.options.appearance == AppearanceOf::Gradient);
+        Some(explained_part(by_part?.threshold))
     }
 
     fn doubts(&self, ranking: &[RankedObject], is_accepted: bool) -> impl Iterator<Item = Warning> {
         let is_close = match ranking {
-            [first, second, ..] => second.distance.total() <= CLOSE_SECOND * first.distance.total(),
+            [first, second, ..] => match (&first.fit, &second.fit) {
+                (Some(first), Some(second)) => second.explained >= CLOSE_SECOND_PART * first.explained,
+                _ => second.distance.total() <= CLOSE_SECOND * first.distance.total(),
+            },
             _ => false,
         };
         let doubts = [
@@ -220,13 +244,34 @@ impl Objects {
         doubts.into_iter().flatten()
     }
 
-    fn decide(&self, best: &RankedObject) -> Decision {
+    fn decide(&self, best: &RankedObject, field: Option<&GradientField>) -> Decision {
         let object = &self.objects[best.object];
-        let evidence = (best.distance.total().max(f64::MIN_POSITIVE) / object.root_scale()).ln();
         let acceptance = self.acceptance.as_ref();
+        let evidence = best.relative.max(f64::MIN_POSITIVE).ln();
         let confidence = acceptance.and_then(|a| a.confidence).map(|logistic| logistic.at(evidence));
-        let pose = acceptance.and_then(|a| object.pose(&best.distance, a.tangential_part, a.distance_ratio));
-        Decision { label: object.label.clone(), confidence, pose }
+        let pose = acceptance.and_then(|a| match (&best.fit, field) {
+            (Some(fit), Some(field)) => self.aligned_pose(field, best.object, fit, a),
+            _ => object.pose(&best.distance, a.tangential_part, a.distance_ratio),
+        });
+        let alignment = best.fit.as_ref().map(|fit| self.normaliser.alignment(&fit.place));
+        Decision { label: object.label.clone(), confidence, pose, alignment }
+    }
+
+    /// The pose of an aligned object; its other side is tried too.
+    fn aligned_pose(
+        &self,
+        field: &GradientField,
+        object: usize,
+        fit: &Fit,
+        acceptance: &Acceptance,
+    ) -> Option<Pose> {
+        let known = &self.objects[object];
+        let other = self.other_side(field, fit, object, &known.views);
+        let (nearest, second) = match &other {
+            Some(other) if other.cost < fit.cost => (other, Some(fit)),
+            _ => (fit, other.as_ref()),
+        };
+        known.aligned_pose(nearest, second, acceptance)
     }
 
     fn candidate(&self, ranked: &RankedObject) -> Candidate {
@@ -236,6 +281,8 @@ impl Objects {
             distance_from_space: ranked.distance.from_space,
             threshold: self.threshold(ranked.object),
             mahalanobis: ranked.mahalanobis,
+            explained: ranked.fit.as_ref().map(|fit| fit.explained),
+            least_explained: self.least_explained(),
         }
     }
 
@@ -263,7 +310,7 @@ impl Objects {
     pub fn mean_picture(&self) -> Image {
         let mean = &self.universal.mean;
         let brightest = mean.iter().fold(f32::MIN_POSITIVE, |most, &v| most.max(v));
-        self.normaliser.picture(mean.iter().map(|v| 255.0 * v.max(0.0) / brightest))
+        self.normaliser.picture(mean.iter().map(|v| 255.0 * v.max(0.0) / brightest), 0.0)
     }
 
     /// Eigenimage `i` of the universal eigenspace, counted from 0, as a picture of samples; zero is mid-gray.
@@ -271,7 +318,7 @@ impl Objects {
     pub fn eigenimage(&self, i: usize) -> Option<Image> {
         let row = self.universal.basis.chunks_exact(self.universal.length()).nth(i)?;
         let most = row.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs()));
-        Some(self.normaliser.picture(row.iter().map(|v| 127.5 * (1.0 + v / most))))
+        Some(self.normaliser.picture(row.iter().map(|v| 127.5 * (1.0 + v / most)), 127.5))
     }
 
     /// Memory held, to within what an allocator adds.
@@ -358,7 +405,8 @@ mod tests {
 
     #[test]
     fn candidates_come_nearest_first_with_their_thresholds() {
-        let model = trained(turntable(8, 20, &ObjectOptions::default()), &ObjectOptions::default());
+        let options = ObjectOptions::of(AppearanceOf::Intensity);
+        let model = trained(turntable(8, 20, &options), &options);
         let recognition = asked(&model, &thing(3, 10.0));
         let total = |c: &Candidate| c.distance_in_space.hypot(c.distance_from_space);
         assert!(recognition.candidates.is_sorted_by(|a, b| total(a) <= total(b)));
@@ -467,10 +515,27 @@ mod tests {
     }
 
     #[test]
-    fn eigenimages_are_pictures_of_samples() {
-        let model = trained(turntable(3, 30, &ObjectOptions::default()), &ObjectOptions::default());
+    fn aligned_candidates_come_by_what_is_explained() {
+        let model = trained(turntable(8, 20, &ObjectOptions::default()), &ObjectOptions::default());
+        let recognition = asked(&model, &thing(3, 10.0));
+        assert!(recognition.candidates.is_sorted_by(|a, b| a.explained >= b.explained));
+        let best = &recognition.candidates[0];
+        assert!(best.label == "thing3" && best.explained > best.least_explained && best.threshold.is_none());
+        assert!(recognition.decision.unwrap().confidence.unwrap() > 0.9 && recognition.reasons.is_empty());
+    }
+
+    #[test]
+    fn eigenimages_are_pictures_of_samples_or_of_cells() {
+        for (of, side) in [(AppearanceOf::Intensity, 48), (AppearanceOf::Gradient, 256)] {
+            eigenimages_have(of, side);
+        }
+    }
+
+    fn eigenimages_have(of: AppearanceOf, side: usize) {
+        let options = ObjectOptions::of(of);
+        let model = trained(turntable(3, 30, &options), &options);
         let mean = model.mean_picture();
-        assert_eq!((mean.width(), mean.height()), (48, 48));
+        assert_eq!((mean.width(), mean.height()), (side, side));
         assert!(mean.pixels().iter().all(|v| (-1e-3..=255.001).contains(v)));
         assert!(model.eigenimage(model.dimension()).is_none());
         let first = model.eigenimage(0).unwrap();

@@ -5,7 +5,7 @@
 //! the table, and move the whole picture with them. Measured: see `docs/papers.md`. A dark region on a light background
 //! is negated, so that the background is zero in either case.
 
-use crate::imaging::{Image, bilinear_inside};
+use crate::imaging::{Frame, Image, bilinear_inside};
 use crate::vision::segmentation::{Polarity, Region, Segmentation, SegmentationOptions, segmented_from_near};
 use crate::vision::smoothed;
 
@@ -50,24 +50,30 @@ impl ObjectSegmentation {
 ///
 /// The work is in proportion to the region's area, not to that of its box: a thin ring may be as wide as the picture.
 pub(super) fn normalised_crop(
-    luminance: &Image,
+    frame: &Frame,
     segmentation: &Segmentation,
     region: &Region,
     (width_px, height_px): (usize, usize),
-) -> Image {
-    let Some(moments) = Moments::of(luminance, segmentation, region) else {
-        return Image::from_fn(width_px, height_px, |_, _| 0.0);
+) -> Frame {
+    let Some(moments) = Moments::of(&frame.luminance, segmentation, region) else {
+        return Frame::gray(Image::from_fn(width_px, height_px, |_, _| 0.0));
     };
     // B§3, normalisation: pixels of the picture to one of the crop.
     let scale = 2.0 * MARGIN_FACTOR * moments.radius_px / width_px.min(height_px) as f64;
-    let reduced = Reduced::of(luminance, segmentation, region, scale);
-    let [centre_x, centre_y] = reduced.position_of(moments.centroid_px);
     let middle = [width_px, height_px].map(|side| (side as f64 - 1.0) / 2.0);
-    Image::from_fn(width_px, height_px, |x, y| {
-        let from_x = centre_x + (x as f64 - middle[0]) * reduced.step;
-        let from_y = centre_y + (y as f64 - middle[1]) * reduced.step;
-        bilinear_inside(&reduced.image, from_x, from_y)
-    })
+    let crop = |plane: &Image| {
+        let reduced = Reduced::of(plane, segmentation, region, scale);
+        let [centre_x, centre_y] = reduced.position_of(moments.centroid_px);
+        Image::from_fn(width_px, height_px, |x, y| {
+            let from_x = centre_x + (x as f64 - middle[0]) * reduced.step;
+            let from_y = centre_y + (y as f64 - middle[1]) * reduced.step;
+            bilinear_inside(&reduced.image, from_x, from_y)
+        })
+    };
+    match &frame.rgb {
+        Some(rgb) => Frame::colour(rgb.each_ref().map(crop)),
+        None => Frame::gray(crop(&frame.luminance)),
+    }
 }
 
 /// A region on black, reduced so far that sampling it at every `step` pixels doesn't alias.
@@ -184,8 +190,9 @@ mod tests {
     }
 
     fn cut(image: &Image, side_px: usize) -> Image {
-        let object = ObjectSegmentation::of(image);
-        normalised_crop(image, &object.segmentation, &object.segmentation.regions[0], (side_px, side_px))
+        let ObjectSegmentation { segmentation, .. } = ObjectSegmentation::of(image);
+        let frame = Frame::gray(image.clone());
+        normalised_crop(&frame, &segmentation, &segmentation.regions[0], (side_px, side_px)).luminance
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! One known object: its eigenspace, its views there, and the curve through those that have a pose.
 
+use super::acceptance::Acceptance;
+use super::alignment::Fit;
 use super::manifold::{CurveProjection, DistinctPoses, Manifold, wide_gaps};
 use super::parts::ObjectPart;
 use super::recognition::Pose;
@@ -104,6 +106,19 @@ impl ViewSet {
         ObjectDistance { in_space, from_space, on_curve }
     }
 
+    /// The curve through the views that have a pose, if there are three.
+    pub fn manifold(&self) -> Option<&Manifold> {
+        self.manifold.as_ref()
+    }
+
+    /// The eigenpoint of the nearest view that is not on the manifold; the mean's where all are.
+    pub fn nearest_view(&self, point: &[f32]) -> Vec<f32> {
+        let isolated = self.isolated.chunks_exact(self.dimension.max(1));
+        let apart = |view: &&[f32]| euclidean_distance(view, point);
+        let nearest = isolated.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        nearest.map_or_else(|| vec![0.0; self.dimension], <[f32]>::to_vec)
+    }
+
     /// Indices of the poses before and after a pose; `None` without any.
     fn neighbours(&self, pose_deg: f64) -> Option<(usize, usize)> {
         let count = self.poses_deg.len();
@@ -174,6 +189,27 @@ impl KnownObject {
             && alternative_deg.is_none()
             && !self.is_in_wide_gap(turn_deg)
             && is_on_curve
+            && !nearest.at_end;
+        Some(Pose { turn_deg, sigma_deg: sigma_deg.min(UNKNOWN_DEG), reliable, alternative_deg })
+    }
+
+    /// The pose of an aligned fit; `second` is the best one at another turn.
+    pub fn aligned_pose(&self, nearest: &Fit, second: Option<&Fit>, acceptance: &Acceptance) -> Option<Pose> {
+        let turn_deg = nearest.turn_deg?;
+        let sigma_deg = match self.held_out_sigma_deg(turn_deg, acceptance.distance_ratio) {
+            Some(held_out_deg) if nearest.turn_sigma_deg.is_finite() => {
+                (acceptance.tangential_part * nearest.turn_sigma_deg).max(held_out_deg)
+            }
+            _ => UNKNOWN_DEG,
+        };
+        let typical = self.part.typical_distance.powi(2);
+        let alternative_deg = second
+            .filter(|second| second.cost <= AMBIGUOUS.powi(2) * nearest.cost.max(typical))
+            .and_then(|second| second.turn_deg);
+        let reliable = self.views.poses_deg.len() >= MIN_VIEWS
+            && sigma_deg <= MAX_SIGMA_DEG
+            && alternative_deg.is_none()
+            && !self.is_in_wide_gap(turn_deg)
             && !nearest.at_end;
         Some(Pose { turn_deg, sigma_deg: sigma_deg.min(UNKNOWN_DEG), reliable, alternative_deg })
     }

@@ -1,7 +1,17 @@
 //! The options of an object database; each says where the text of paper B has it.
 
 pub use crate::eigen::Search;
-use crate::recognition::OptionFault;
+use crate::recognition::{Colour, OptionFault};
+
+/// What an appearance is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AppearanceOf {
+    /// Orientation histograms of the gradient: light, contrast and a few pixels of shift hardly matter. A query is
+    /// aligned before its distance is taken.
+    Gradient,
+    /// The gray levels, as paper B has it (B(7)).
+    Intensity,
+}
 
 /// What to do with a picture that is not of the database's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +52,10 @@ pub enum Distance {
 /// All options of an object database.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectOptions {
+    /// What an appearance is made of.
+    pub appearance: AppearanceOf,
+    /// The colours of an appearance of gradients; gray of one of intensities.
+    pub colour: Colour,
     /// Size of the database's pictures, 8..=1024 px; `None`: the commonest size among the exemplars,
     /// shrunk to 1024 px a side. Both or neither.
     pub width_px: Option<usize>,
@@ -53,7 +67,7 @@ pub struct ObjectOptions {
     /// the square about its centroid, on black (B§3). Pictures are then square, of 128 px unless a size is given.
     pub segment: bool,
     /// Standard deviation of the Gaussian that pictures are smoothed with, as a part of their longer side, 0..=0.1.
-    /// The paper does not smooth: 0. See [`ObjectOptions::SMOOTHING`].
+    /// The paper does not smooth: 0. See [`ObjectOptions::of`].
     pub smoothing: f64,
     /// Coordinates of an eigenpoint in the universal eigenspace.
     pub dimension: Dimension,
@@ -73,8 +87,28 @@ pub const MAX_SIDE_PX: usize = 1024;
 pub const MAX_DIMENSION: usize = 256;
 
 impl ObjectOptions {
-    /// 3 px of 128.
-    pub const SMOOTHING: f64 = 3.0 / 128.0;
+    /// The defaults of an appearance: smoothed by 1.5 px of 128 before gradients are taken, of which more are accepted, as
+    /// they are told from unknown ones more surely; intensities by 3 px of 128, and without colours.
+    pub fn of(appearance: AppearanceOf) -> ObjectOptions {
+        let (smoothing, colour, accept) = match appearance {
+            AppearanceOf::Gradient => (1.5 / 128.0, Colour::Auto, 0.98),
+            AppearanceOf::Intensity => (3.0 / 128.0, Colour::Gray, 0.97),
+        };
+        ObjectOptions {
+            appearance,
+            colour,
+            width_px: None,
+            height_px: None,
+            resize: Resize::Fit,
+            segment: false,
+            smoothing,
+            dimension: Dimension::Auto,
+            stages: Stages::UniversalThenObject,
+            search: Search::KdTree,
+            distance: Distance::Euclidean,
+            accept,
+        }
+    }
 
     /// Everything that is wrong with the options, all at once; empty if they can be used.
     pub fn faults(&self) -> Vec<OptionFault> {
@@ -89,6 +123,9 @@ impl ObjectOptions {
             (Some(_), None) => fault("height_px", "must be given with width_px".to_owned()),
             (None, Some(_)) => fault("width_px", "must be given with height_px".to_owned()),
             _ => {}
+        }
+        if self.appearance == AppearanceOf::Intensity && self.colour != Colour::Gray {
+            fault("colour", "must be gray with appearance intensity".to_owned());
         }
         if !(0.0..=0.1).contains(&self.smoothing) {
             fault("smoothing", format!("{} is not in 0..=0.1", self.smoothing));
@@ -107,17 +144,6 @@ impl ObjectOptions {
 
 impl Default for ObjectOptions {
     fn default() -> Self {
-        ObjectOptions {
-            width_px: None,
-            height_px: None,
-            resize: Resize::Fit,
-            segment: false,
-            smoothing: ObjectOptions::SMOOTHING,
-            dimension: Dimension::Auto,
-            stages: Stages::UniversalThenObject,
-            search: Search::KdTree,
-            distance: Distance::Euclidean,
-            accept: 0.97,
-        }
+        ObjectOptions::of(AppearanceOf::Gradient)
     }
 }

@@ -236,8 +236,8 @@ impl ObjectPart {
 
 fn check_acceptance(acceptance: &Acceptance) -> Result<(), PartsError> {
     let Acceptance { distance_ratio, tangential_part, radius, threshold, confidence } = acceptance;
-    let parts = [*distance_ratio, *tangential_part].iter().all(|v| (0.0..=1.0).contains(v));
-    let bounds = [*radius, *threshold].iter().all(|v| (0.0..=LARGEST).contains(v));
+    let parts = (0.0..=1.0).contains(distance_ratio);
+    let bounds = [*tangential_part, *radius, *threshold].iter().all(|v| (0.0..=LARGEST).contains(v));
     let fit =
         confidence.is_none_or(|fit| fit.offset.is_finite() && fit.slope.is_finite() && fit.slope <= 0.0);
     if parts && bounds && fit { Ok(()) } else { Err(PartsError::Number { part: "the calibration" }) }
@@ -279,7 +279,7 @@ fn check_space(
 mod tests {
     use super::super::test_pictures::{normaliser, thing, turntable};
     use super::*;
-    use crate::recognition::objects::{Distance, train};
+    use crate::recognition::objects::{AppearanceOf, Distance, train};
 
     fn trained(options: &ObjectOptions) -> Objects {
         train(turntable(3, 30, options), &normaliser(options), options).unwrap().0
@@ -289,6 +289,7 @@ mod tests {
     fn a_database_comes_back_from_its_parts() {
         for options in [
             ObjectOptions::default(),
+            ObjectOptions::of(AppearanceOf::Intensity),
             ObjectOptions {
                 stages: Stages::UniversalOnly,
                 distance: Distance::Mahalanobis,
@@ -337,7 +338,7 @@ mod tests {
             }),
         ];
         for (what, damage) in damages {
-            let mut parts = ObjectParts::from(&trained(&ObjectOptions::default()));
+            let mut parts = ObjectParts::from(&trained(&ObjectOptions::of(AppearanceOf::Intensity)));
             damage(&mut parts);
             assert!(Objects::try_from(parts).is_err(), "{what} went through");
         }

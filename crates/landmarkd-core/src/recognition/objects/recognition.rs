@@ -1,5 +1,7 @@
 //! The answer of an object database.
 
+use super::reason::Reason;
+
 /// The answer to one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recognition {
@@ -7,6 +9,8 @@ pub struct Recognition {
     pub decision: Option<Decision>,
     /// The objects that were compared in their own eigenspaces, the likeliest first: at most five.
     pub candidates: Vec<Candidate>,
+    /// Why nothing was decided, the likeliest first; empty with a decision.
+    pub reasons: Vec<Reason>,
     /// Reasons to doubt the answer.
     pub warnings: Vec<Warning>,
 }
@@ -22,6 +26,21 @@ pub struct Decision {
     /// Its pose; `None` if fewer than three of its views differ in pose, if they look all the same, or if no object
     /// has two views.
     pub pose: Option<Pose>,
+    /// Where the object stands in the picture; `None` of intensities, which aren't aligned.
+    pub alignment: Option<Alignment>,
+}
+
+/// Where an object stands in a picture, relative to where its exemplars stand in theirs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alignment {
+    /// Shift to the right, in px of the database's pictures.
+    pub shift_x_px: f64,
+    /// Shift down.
+    pub shift_y_px: f64,
+    /// Size in the picture over that in the exemplars.
+    pub scale: f64,
+    /// Turn in the picture's plane, clockwise as seen.
+    pub turn_deg: f64,
 }
 
 /// The pose of an object: its turn about the vertical.
@@ -51,6 +70,10 @@ pub struct Candidate {
     pub threshold: Option<f64>,
     /// B(15), if that is what objects are ordered by.
     pub mahalanobis: Option<f64>,
+    /// The part of the object that the picture shows, 0..=1, once aligned; `None` of intensities.
+    pub explained: Option<f64>,
+    /// The least such part that is accepted; `None` if not calibrated.
+    pub least_explained: Option<f64>,
 }
 
 /// A doubt about one answer.

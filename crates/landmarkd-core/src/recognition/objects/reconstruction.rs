@@ -32,9 +32,9 @@ impl Reconstruction {
         let differences = vector.iter().zip(&rebuilt).map(|(given, rebuilt)| given - rebuilt);
         let residual = differences.map(|v| (127.5 * (1.0 + v / brightest)).clamp(0.0, 255.0));
         Ok(Reconstruction {
-            residual: model.normaliser.picture(residual),
-            appearance: model.normaliser.picture(vector.iter().map(gray)),
-            rebuilt: model.normaliser.picture(rebuilt.iter().map(gray)),
+            residual: model.normaliser.picture(residual, 127.5),
+            appearance: model.normaliser.picture(vector.iter().map(gray), 0.0),
+            rebuilt: model.normaliser.picture(rebuilt.iter().map(gray), 0.0),
             distance_from_space,
         })
     }
@@ -56,12 +56,13 @@ impl Reconstruction {
 #[cfg(test)]
 mod tests {
     use super::super::test_pictures::{SIDE_PX, normaliser, thing, turntable};
-    use super::super::{Dimension, ObjectOptions, train};
+    use super::super::{AppearanceOf, Dimension, ObjectOptions, train};
     use super::*;
 
     /// Three things, in nearly as many dimensions as there are views.
     fn trained() -> Objects {
-        let options = ObjectOptions { dimension: Dimension::Fixed(50), ..ObjectOptions::default() };
+        let options =
+            ObjectOptions { dimension: Dimension::Fixed(50), ..ObjectOptions::of(AppearanceOf::Intensity) };
         train(turntable(3, 20, &options), &normaliser(&options), &options).unwrap().0
     }
 

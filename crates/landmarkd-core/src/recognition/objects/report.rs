@@ -43,6 +43,8 @@ pub struct TrainingReport {
     pub confusion: Vec<Confusion>,
     /// Answers to held-out views and unknown objects; `None` if no object has two views.
     pub held_out: Option<HeldOut>,
+    /// The least part of an object that a picture has to explain; `None` of intensities, and if not calibrated.
+    pub least_explained: Option<f64>,
     /// By object, ascending.
     pub objects: Vec<ObjectReport>,
     /// Pairs of ids of views that are all but the same picture.
@@ -85,7 +87,7 @@ pub struct Confusion {
     pub times: usize,
 }
 
-/// Each view in turn is left out of its object and shown; and is shown to the other objects alone. The threshold was
+/// Each view in turn is left out of its object and shown, of gradients disturbed; and is shown to the other objects alone. The threshold was
 /// chosen on the same views, so `known_accepted` is about `accept` of them; other views may fare worse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOut {
@@ -110,7 +112,7 @@ pub struct ObjectReport {
     pub views: usize,
     /// Of these, with a pose.
     pub views_with_pose: usize,
-    /// The largest total distance that is accepted as this object.
+    /// The largest total distance that is accepted as this object; `None` where the explained part decides.
     pub threshold: Option<f64>,
     /// Pose errors of held-out views; `None` if there are too few.
     pub pose: Option<PoseErrors>,
@@ -174,6 +176,7 @@ impl ReportInput<'_> {
             labels: model.objects.len(),
             confusion: self.confusion(),
             held_out: self.held_out(),
+            least_explained: model.least_explained(),
             objects: self.objects(),
             near_duplicates: self.near_duplicates(),
             repeated_poses: self.repeated_poses(),
@@ -191,14 +194,12 @@ impl ReportInput<'_> {
     /// The answer to a trial of a known object; `None`: refused.
     fn answer(&self, trial: &Trial) -> Option<usize> {
         let NearObject { object, distance } = trial.nearest()?;
-        self.model.threshold(object).is_some_and(|threshold| distance <= threshold).then_some(object)
+        self.model.is_accepted(NearObject { object, distance }).then_some(object)
     }
 
     fn held_out(&self) -> Option<HeldOut> {
         let known = || self.trials.iter().filter(|trial| trial.own_distance.is_some());
-        let refused = |found: &NearObject| {
-            self.model.threshold(found.object).is_some_and(|threshold| found.distance > threshold)
-        };
+        let refused = |found: &NearObject| !self.model.is_accepted(*found);
         let others = || self.trials.iter().filter_map(|trial| trial.other);
         (known().count() > 0).then(|| HeldOut {
             known: known().count(),

@@ -1,9 +1,10 @@
 //! Synthetic views: the picture of a view with another gain, a shift of up to a pixel, and noise, so that the right
 //! answer is known.
 
+use super::disturbance::Disturbance;
 use super::model::{Objects, ViewName};
 use crate::angle::angular_distance_deg;
-use crate::imaging::{Frame, Image, Random, bilinear_replicated, seed_of_name};
+use crate::imaging::{Frame, Random, seed_of_name};
 
 /// Most views that synthetic ones are made of, spread over all.
 const MAX_VIEWS: usize = 200;
@@ -20,16 +21,12 @@ const MAX_ERROR_DEG: f64 = 10.0;
 
 /// A synthetic view of a picture: always the same for the same name and round, and another for each round.
 pub fn synthetic_view(name: &ViewName, picture: &Frame, round: u64) -> Frame {
-    let random = &mut Random::new(seed_of_name(&name.id, round), round);
+    let seed = seed_of_name(&name.id, round);
+    let random = &mut Random::new(seed, round);
+    let mut shift = || random.between(-SHIFT_PX, SHIFT_PX) / picture.width().max(picture.height()) as f64;
+    let shift = [shift(), shift()];
     let gain = random.between(GAIN[0], GAIN[1]);
-    let mut shift = || random.between(-SHIFT_PX, SHIFT_PX);
-    let (right, down) = (shift(), shift());
-    let luminance = &picture.luminance;
-    Frame::gray(Image::from_fn(luminance.width(), luminance.height(), |px, py| {
-        let shifted = bilinear_replicated(luminance, px as f64 - right, py as f64 - down);
-        let value = gain * shifted + NOISE * random.normals()[0];
-        value.round().clamp(0.0, 255.0) as f32
-    }))
+    Disturbance { gain, shift, noise: NOISE, ..Disturbance::NONE }.of(picture, seed)
 }
 
 /// The views of a database that synthetic ones are made of.

@@ -1,6 +1,7 @@
 //! Synthetic pictures of turning things, for the tests of this folder.
 
 use super::appearance::Normaliser;
+use super::model::ViewName;
 use super::options::ObjectOptions;
 use super::training::View;
 use crate::imaging::{Frame, Image};
@@ -66,7 +67,8 @@ pub fn view(normaliser: &Normaliser, label: &str, pose_deg: Option<f64>, frame: 
     let pose = pose_deg.map_or_else(|| "-".into(), |pose| pose.to_string());
     let appearance = normaliser.appearance(frame).unwrap();
     let bits = appearance.vector.iter().fold(0_u32, |sum, v| sum.wrapping_mul(31).wrapping_add(v.to_bits()));
-    View { id: format!("{label} {pose} {bits:08x}"), label: label.into(), pose_deg, appearance }
+    let name = ViewName { id: format!("{label} {pose} {bits:08x}"), label: label.into(), pose_deg };
+    View::new(normaliser, name, frame, true).unwrap()
 }
 
 /// Things 0, 1, 2 … at every so many degrees.

@@ -4,15 +4,18 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use super::appearance::{Appearance, Normaliser};
+use super::aligned_trials::aligned_trials;
+use super::appearance::{Appearance, Normaliser, SizeMismatch};
 use super::held_out::{HeldOutStatistics, HeldOutView, LabelledPoints, MAX_TRIALS, Trial, leave_each_out};
 use super::model::{Objects, ViewName, class_covariances};
 use super::object::{KnownObject, ViewSet};
-use super::options::{Dimension, ObjectOptions, Stages};
+use super::options::{AppearanceOf, Dimension, ObjectOptions, Stages};
 use super::parts::ObjectPart;
 use super::report::{DimensionRate, ReportInput, TrainingReport};
 use crate::eigen::{EigenError, Eigenspace, RadiusIndex};
-use crate::recognition::OptionFault;
+use crate::imaging::Frame;
+use crate::recognition::{Colour, OptionFault};
+use crate::vision::GradientField;
 
 /// Views beyond which an eigenspace is found by iteration: then the whole spectrum would take minutes.
 const EXACT_UP_TO: usize = 1500;
@@ -20,6 +23,10 @@ const EXACT_UP_TO: usize = 1500;
 pub(super) const AUTO_DIMENSION: usize = 64;
 /// B§6 finds recognition poor below.
 const MIN_DIMENSION: usize = 8;
+/// Views that are shifted or partly hidden are told apart by more than whole ones.
+const MIN_DIMENSION_OF_GRADIENTS: usize = 24;
+/// Disturbed views that are shown to a database: more take longer and tell no more.
+const MAX_DISTURBED: usize = 400;
 /// A leverage is taken to be no larger: the view is then alone on nearly all of its principal components.
 const MAX_LEVERAGE: f64 = 0.9;
 
@@ -34,6 +41,31 @@ pub struct View {
     pub pose_deg: Option<f64>,
     /// Made by the normaliser that [`train`] is given.
     pub appearance: Appearance,
+    /// The same, disturbed: acceptance and confidence are estimated by such views.
+    pub(super) disturbed: Option<GradientField>,
+}
+
+impl View {
+    /// The view that a picture shows. Only a view that `is_trial` is shown to the trained database, disturbed;
+    /// [`is_trial`] says which should be.
+    ///
+    /// # Errors
+    /// [`SizeMismatch`] as [`Normaliser::appearance`].
+    pub fn new(
+        normaliser: &Normaliser,
+        ViewName { id, label, pose_deg }: ViewName,
+        frame: &Frame,
+        is_trial: bool,
+    ) -> Result<View, SizeMismatch> {
+        let appearance = normaliser.appearance(frame)?;
+        let disturbed = if is_trial { normaliser.disturbed(frame, &id)? } else { None };
+        Ok(View { id, label, pose_deg, appearance, disturbed })
+    }
+}
+
+/// Whether view `index` of `count` should be a trial: all of few, and of many as many as tell the rates.
+pub fn is_trial(index: usize, count: usize) -> bool {
+    index.is_multiple_of(count.div_ceil(MAX_DISTURBED).max(1))
 }
 
 /// Why a training gives no model.
@@ -84,6 +116,8 @@ pub fn train(
     options: &ObjectOptions,
 ) -> Result<(Objects, TrainingReport), TrainingError> {
     check(&views, normaliser, options)?;
+    let normaliser = &resolved(normaliser, &views);
+    let options = &ObjectOptions { colour: normaliser.colour(), ..options.clone() };
     let (set, blank) = TrainingSet::of(views, normaliser.length());
     let UniversalFit { space, points, spectrum, rate_by_dimension } = UniversalFit::of(&set, options)?;
     let (mut objects, held_out) = fit_objects(&set, &space, options.stages)?;
@@ -121,6 +155,16 @@ pub fn train(
     Ok((model, report))
 }
 
+/// The normaliser with `auto` resolved: colours if every view has them.
+fn resolved(normaliser: &Normaliser, views: &[View]) -> Normaliser {
+    let colour = match normaliser.colour() {
+        Colour::Auto if views.iter().all(|view| view.appearance.is_colour) => Colour::Opponent,
+        Colour::Auto => Colour::Gray,
+        colour => colour,
+    };
+    normaliser.clone().with_colour(colour)
+}
+
 /// Show held-out views to the model, and set its acceptance by their trials.
 fn calibrate(
     model: &mut Objects,
@@ -129,8 +173,11 @@ fn calibrate(
     held_out: &[HeldOutView],
 ) -> Vec<Trial> {
     let points = set.labelled(model.radius_index.points(), model.dimension());
-    let trials = statistics.trials(model, &set.rows, held_out, &points);
-    model.acceptance = statistics.acceptance(&model.objects, &trials, &points, model.options.accept);
+    let trials = match model.options.appearance {
+        AppearanceOf::Intensity => statistics.trials(model, &set.rows, held_out, &points),
+        AppearanceOf::Gradient => aligned_trials(model, &set.disturbed, &points),
+    };
+    model.acceptance = statistics.acceptance(model, &trials, &points);
     trials
 }
 
@@ -170,6 +217,8 @@ struct TrainingSet {
     views: Vec<View>,
     /// views × length, row-major.
     rows: Vec<f32>,
+    /// By view: the same, disturbed.
+    disturbed: Vec<Option<GradientField>>,
     /// Components of an appearance.
     length: usize,
     /// Which views are of each object.
@@ -188,8 +237,13 @@ impl TrainingSet {
         });
         let blank = views.extract_if(.., |view| view.appearance.is_blank()).map(|view| view.id).collect();
         let mut rows = Vec::with_capacity(views.len() * length);
+        let mut disturbed = Vec::with_capacity(views.len());
         for view in &mut views {
-            rows.append(&mut std::mem::take(&mut view.appearance.vector));
+            let mut vector = std::mem::take(&mut view.appearance.vector);
+            // Without colours an appearance is its first part.
+            vector.truncate(length);
+            rows.append(&mut vector);
+            disturbed.push(view.disturbed.take());
         }
         let (mut members, mut object_of_view) = (Vec::new(), Vec::with_capacity(views.len()));
         for group in views.chunk_by(|a, b| a.label == b.label) {
@@ -198,7 +252,7 @@ impl TrainingSet {
             members.push(first..first + group.len());
         }
         let poses_deg = views.iter().map(|view| view.pose_deg).collect();
-        (TrainingSet { views, rows, length, members, object_of_view, poses_deg }, blank)
+        (TrainingSet { views, rows, disturbed, length, members, object_of_view, poses_deg }, blank)
     }
 
     /// n × `dimension` eigenpoints with the object and pose of each.
@@ -230,7 +284,11 @@ impl UniversalFit {
         let chosen = match options.dimension {
             // B§6: where no object's own eigenspace follows, poses need all there is
             Dimension::Auto if options.stages == Stages::UniversalThenObject => {
-                least_good(&rate_by_dimension)
+                let least = match options.appearance {
+                    AppearanceOf::Intensity => MIN_DIMENSION,
+                    AppearanceOf::Gradient => MIN_DIMENSION_OF_GRADIENTS,
+                };
+                least_good(&rate_by_dimension, least)
             }
             _ => None,
         };
@@ -360,14 +418,14 @@ fn rate_by_dimension(views: &LabelledPoints) -> Vec<DimensionRate> {
     right.iter().enumerate().map(|(k, &right)| DimensionRate { dimension: k + 1, right, trials }).collect()
 }
 
-/// The least dimension whose rate is within a standard error of the best, and no less than [`MIN_DIMENSION`]: few
+/// The least dimension whose rate is within a standard error of the best, and no less than `least_dimension`: few
 /// objects are told apart by less, and new ones need more.
-fn least_good(rates: &[DimensionRate]) -> Option<usize> {
+fn least_good(rates: &[DimensionRate], least_dimension: usize) -> Option<usize> {
     let share = |rate: &DimensionRate| rate.right as f64 / rate.trials as f64;
     let best = rates.iter().map(share).fold(0.0, f64::max);
     let error = (best * (1.0 - best) / rates.first()?.trials as f64).sqrt();
     let least = rates.iter().find(|rate| share(rate) >= best - error)?;
-    Some(least.dimension.max(MIN_DIMENSION).min(rates.len()))
+    Some(least.dimension.max(least_dimension).min(rates.len()))
 }
 
 #[cfg(test)]
@@ -406,14 +464,15 @@ mod tests {
         assert!(rates[0].trials == 120 && rates[0].right < 120 && rates[report.dimension - 1].right >= 119);
         assert_eq!(report.dimension, model.dimension());
         let held_out = report.held_out.unwrap();
-        // 0.97 of 120, and whatever lies on the threshold
-        assert!((115..=118).contains(&held_out.known_accepted), "{held_out:?}");
+        // 0.98 of 120 at most, as nothing is accepted that is as likely to be wrong
+        assert!((112..=119).contains(&held_out.known_accepted), "{held_out:?}");
         assert!(held_out.unknown == 120 && held_out.unknown_refused > 115, "{held_out:?}");
         for object in &report.objects {
             let pose = object.pose.unwrap();
             assert!(pose.trials == 24 && pose.within_5_deg >= 22, "{object:?}");
-            assert!(object.gaps.is_empty() && object.threshold.unwrap() > 0.0);
+            assert!(object.gaps.is_empty() && object.threshold.is_none());
         }
+        assert!((0.05..0.9).contains(&report.least_explained.unwrap()));
         assert!((0.5..1.0).contains(&report.energy_kept) && report.spectrum.len() == 120);
         let confused: usize = report.confusion.iter().map(|confusion| confusion.times).sum();
         assert_eq!(confused, held_out.known - held_out.known_right);
@@ -492,7 +551,8 @@ mod tests {
 
     #[test]
     fn ten_thousand_identical_pictures_and_one_other_are_trained_or_refused_with_a_reason() {
-        let options = ObjectOptions { dimension: Dimension::Fixed(4), ..ObjectOptions::default() };
+        let options =
+            ObjectOptions { dimension: Dimension::Fixed(4), ..ObjectOptions::of(AppearanceOf::Intensity) };
         let normaliser = Normaliser::new(&options, (8, 8));
         let flat = |level: f32| Frame::gray(Image::from_fn(8, 8, |_, _| level));
         let alike = |level: f32| -> Vec<View> {
@@ -503,6 +563,7 @@ mod tests {
                 label: label(n),
                 pose_deg: None,
                 appearance: appearance.clone(),
+                disturbed: None,
             };
             (0..10_000).map(view).collect()
         };

@@ -1,0 +1,67 @@
+//! Leave-one-out trials of aligned views: each is left out of its object, disturbed, and shown to the database.
+
+use super::held_out::{LabelledPoints, Trial};
+use super::hypothesis::Reach;
+use super::model::Objects;
+use super::object::ViewSet;
+use super::ranked_object::{RankedObject, unexplained_ratio};
+use crate::angle::angular_distance_deg;
+use crate::vision::GradientField;
+
+/// Show disturbed views to the database: those that there are. A trial's distances are the ratios of what is not
+/// explained.
+pub(super) fn aligned_trials(
+    model: &Objects,
+    disturbed: &[Option<GradientField>],
+    points: &LabelledPoints,
+) -> Vec<Trial> {
+    let shown = disturbed.iter().enumerate().filter_map(|(view, field)| Some((view, field.as_ref()?)));
+    shown.map(|(view, field)| trial(model, view, field, points)).collect()
+}
+
+fn trial(model: &Objects, view: usize, field: &GradientField, points: &LabelledPoints) -> Trial {
+    let object = points.object_of_view[view];
+    let others = views_without(model, view, points);
+    let hypotheses = model.hypotheses(field, Reach::Near, |other| points.is_left_out_with(other, view));
+    let views_of = |of: usize| match &others {
+        Some(others) if of == object => others,
+        _ => &model.objects[of].views,
+    };
+    let ranked = model.ranked_by_alignment(field, Reach::Near, &hypotheses, views_of);
+    let own = ranked.iter().find(|ranked| ranked.object == object);
+    let first = ranked.first().map(|first| first.object == object);
+    Trial {
+        object,
+        own_distance: others.as_ref().map(|_| own.map_or(unexplained_ratio(0.0), |own| own.relative)),
+        is_likely: own.is_some(),
+        other: ranked.iter().find(|ranked| ranked.object != object).map(RankedObject::near),
+        own_is_first: if model.covariance_decides() { first } else { None },
+        pose_ratio: own.and_then(|own| pose_ratio(own, points.poses_deg[view]?)),
+    }
+}
+
+fn pose_ratio(own: &RankedObject, pose_deg: f64) -> Option<f64> {
+    let fit = own.fit.as_ref()?;
+    let error_deg = angular_distance_deg(fit.turn_deg?, pose_deg);
+    (fit.turn_sigma_deg.is_finite() && fit.turn_sigma_deg > 0.0).then(|| error_deg / fit.turn_sigma_deg)
+}
+
+/// The other views of a view's object; `None` if there are none.
+fn views_without(model: &Objects, view: usize, points: &LabelledPoints) -> Option<ViewSet> {
+    let object = points.object_of_view[view];
+    let part = &model.objects[object].part;
+    let members: Vec<usize> =
+        (0..points.object_of_view.len()).filter(|&other| points.object_of_view[other] == object).collect();
+    let dimension = part.space.as_ref().map_or(points.dimension, |space| space.dimension());
+    let (mut kept, mut poses_deg) = (Vec::new(), Vec::new());
+    for (index, &other) in members.iter().enumerate() {
+        if !points.is_left_out_with(other, view) {
+            kept.extend_from_slice(match &part.space {
+                Some(_) => &part.eigenpoints[index * dimension..][..dimension],
+                None => points.point(other),
+            });
+            poses_deg.push(points.poses_deg[other]);
+        }
+    }
+    (!poses_deg.is_empty()).then(|| ViewSet::new(&kept, &poses_deg, dimension))
+}
