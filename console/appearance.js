@@ -7,29 +7,46 @@ import {number, problem} from "./parts.js";
 const SHOWN_EIGENIMAGES = 8;
 const total = (candidate) => Math.hypot(candidate.distance_in_space, candidate.distance_from_space);
 
-// Each candidate's total distance as a bar, with a mark where it would no longer be accepted.
+// What a candidate is judged by: the part of the object that is explained, or its total distance.
+export function measure(candidate) {
+  const {explained, least_explained: least, threshold} = candidate;
+  if (explained === null || explained === undefined) {
+    return {value: total(candidate), limit: threshold, is: threshold === null ? null : total(candidate) <= threshold};
+  }
+  return {value: explained, limit: least, is: least === null ? null : explained >= least};
+}
+
+// A measure as text: a part in percent, or a distance.
+export const measureText = (value, isPart) =>
+  isPart ? value === null ? "–" : `${number(100 * value, 0)} %` : number(value, 3);
+
+// Each candidate's measure as a bar, with a mark where it would no longer be accepted.
 export function candidates(answer) {
   if (!answer.candidates.length) return h("p", {}, "No object was compared: there is nothing in the frame to compare.");
-  const farthest = 1.06 * Math.max(...answer.candidates.flatMap((candidate) => [total(candidate), candidate.threshold ?? 0]), 1e-6);
+  const [first] = answer.candidates;
+  const isAligned = (first.explained ?? null) !== null;
+  const measures = answer.candidates.map(measure);
+  const longest = isAligned ? 1 : 1.06 * Math.max(...measures.flatMap(({value, limit}) => [value, limit ?? 0]), 1e-6);
   const hasMahalanobis = answer.candidates.some(({mahalanobis}) => mahalanobis !== undefined);
+  const words = isAligned ? ["enough", "too little"] : ["near enough", "too far"];
+  const shown = (value) => measureText(value, isAligned);
   const row = (candidate, place) => {
-    const {label, threshold, mahalanobis} = candidate;
-    const is = threshold === null ? null : total(candidate) <= threshold;
+    const {value, limit, is} = measures[place];
     return h("tr", {},
-      h("th", {scope: "row"}, label),
+      h("th", {scope: "row"}, candidate.label),
       h("td", {class: "bar-cell"},
         svg("svg", {viewBox: "0 0 100 10", preserveAspectRatio: "none", class: `hbar tone-${place + 1}`, "aria-hidden": "true"},
-          svg("rect", {class: "track", width: 100, height: 10}), svg("rect", {width: 100 * total(candidate) / farthest, height: 10}),
-          threshold !== null && svg("line", {x1: 100 * threshold / farthest, x2: 100 * threshold / farthest, y1: 0, y2: 10}))),
-      h("td", {class: "n"}, number(total(candidate), 3)),
-      h("td", {class: "n"}, number(threshold, 3)),
-      h("td", {class: "name"}, is === null ? "–" : is ? "near enough" : "too far"),
+          svg("rect", {class: "track", width: 100, height: 10}), svg("rect", {width: 100 * value / longest, height: 10}),
+          limit !== null && svg("line", {x1: 100 * limit / longest, x2: 100 * limit / longest, y1: 0, y2: 10}))),
+      h("td", {class: "n"}, shown(value)),
+      h("td", {class: "n"}, shown(limit)),
+      h("td", {class: "name"}, is === null ? "–" : words[is ? 0 : 1]),
       h("td", {class: "n"}, number(candidate.distance_in_space, 3)),
       h("td", {class: "n"}, number(candidate.distance_from_space, 3)),
-      hasMahalanobis && h("td", {class: "n"}, number(mahalanobis, 3)));
+      hasMahalanobis && h("td", {class: "n"}, number(candidate.mahalanobis, 3)));
   };
-  const heads = ["Object", "", "Distance", "Accepted to", "", "In space", "From space", ...(hasMahalanobis ? ["Mahalanobis"] : [])];
-  const [first] = answer.candidates;
+  const heads = ["Object", "", isAligned ? "Explained" : "Distance", isAligned ? "Accepted from" : "Accepted to", "", "In space", "From space",
+    ...(hasMahalanobis ? ["Mahalanobis"] : [])];
   const residual = first.distance_from_space;
   return [
     h("div", {class: "scroll", tabindex: "0", role: "region", "aria-label": "Candidates"}, h("table", {id: "try-candidates"},
@@ -37,12 +54,26 @@ export function candidates(answer) {
         heads.map((head, place) => h("th", {scope: "col", class: place > 1 && place !== 4 ? "n" : ""},
           head || h("span", {class: "visually-hidden"}, place === 1 ? "Bar" : "Verdict"))))),
       h("tbody", {}, answer.candidates.map(row)))),
-    h("p", {class: "muted"},
+    isAligned && h("p", {class: "muted"},
+      "The bar is the part of the object that the frame shows once it is aligned; the mark on it is the least that is accepted. "
+      + "The distances are between appearances, 0 for equal ones, √2 for nothing in common."),
+    isAligned && alignment(answer),
+    !isAligned && h("p", {class: "muted"},
       "The bar is the total distance √(in² + from²), 0 for equal pictures, √2 for nothing in common; "
       + "the mark on it is the farthest that is accepted. "
       + `What the eigenspace can't express of this frame as ${first.label}: ${number(residual, 3)}, `
       + `which is ${number(100 * residual ** 2)} % of the picture's energy.`),
   ];
+}
+
+// Where the object stands in the frame, in a sentence.
+function alignment({alignment: found}) {
+  if (!found) return null;
+  const {shift_x_px: right, shift_y_px: down, scale, turn_deg: turn} = found;
+  return h("p", {id: "try-alignment"},
+    `Against its exemplars it stands ${number(Math.abs(right), 1)} px to the ${right < 0 ? "left" : "right"} and `
+    + `${number(Math.abs(down), 1)} px ${down < 0 ? "up" : "down"}, ${number(scale, 2)} times as large, `
+    + `turned by ${number(turn, 1)}° in the picture.`);
 }
 
 const CENTRE = 110;

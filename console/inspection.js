@@ -1,6 +1,7 @@
 // The result of an inspection: the parts on the picture and in a table, linked to each other, and the evidence for each.
 
 import {h, replace, svg} from "./dom.js";
+import {measure, measureText} from "./appearance.js";
 import {number} from "./parts.js";
 import {DEPTH_WARNINGS} from "./depth_map.js";
 import {OBJECT_WARNINGS} from "./warnings.js";
@@ -19,7 +20,6 @@ const angle = (deg) => deg === null || deg === undefined ? "–" : `${tenths(deg
 // Rounded down: what isn't certain isn't called 100 %.
 const percent = (part) => `${number(Math.floor(1000 * part) / 10, 1)} %`;
 const named = (part) => part.decision?.label ?? "unknown";
-const total = ({distance_in_space: within, distance_from_space: from}) => Math.hypot(within, from);
 
 // Box, axis, centroid and pose of a part. A pose turns counter-clockwise from the picture's right.
 function drawing({region, decision, pose}, scale) {
@@ -79,6 +79,7 @@ function sentences({decision, pose, distance_mm: distance, distance_sigma_mm: si
 // The evidence for a part: its crop, its candidates, and the warnings.
 function reasons(part, image) {
   const [left, top, width, height] = part.region.bbox_px;
+  const isAligned = (part.candidates[0]?.explained ?? null) !== null;
   const cut = h("canvas", {width, height, class: "cut", role: "img", "aria-label": `Part ${part.region.id}, cropped from the overview`});
   cut.getContext("2d").drawImage(image, left, top, width, height, 0, 0, width, height);
   return [
@@ -88,12 +89,14 @@ function reasons(part, image) {
       h("p", {class: "muted"}, `${number(part.region.area_px, 0)} px, ${number(part.region.elongation, 2)} times as long as broad.`))),
     part.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ", OBJECT_WARNINGS[word] ?? "")),
     part.candidates.length ? h("table", {}, h("caption", {class: "visually-hidden"}, "What it was compared with"),
-      h("thead", {}, h("tr", {}, h("th", {}, "Like"), h("th", {class: "n"}, "distance"), h("th", {class: "n"}, "accepted to"),
-        h("th", {class: "n"}, "part of it"))),
-      h("tbody", {}, part.candidates.map((candidate) => h("tr", {}, h("td", {}, candidate.label),
-        h("td", {class: "n"}, number(total(candidate), 3)),
-        h("td", {class: "n"}, number(candidate.threshold, 3)),
-        h("td", {class: "n"}, candidate.threshold ? `${number(100 * total(candidate) / candidate.threshold, 0)} %` : "–"))))) : null,
+      h("thead", {}, h("tr", {}, h("th", {}, "Like"),
+        isAligned ? [h("th", {class: "n"}, "explained"), h("th", {class: "n"}, "accepted from")]
+          : [h("th", {class: "n"}, "distance"), h("th", {class: "n"}, "accepted to")])),
+      h("tbody", {}, part.candidates.map((candidate) => {
+        const {value, limit} = measure(candidate);
+        return h("tr", {}, h("td", {}, candidate.label),
+          h("td", {class: "n"}, measureText(value, isAligned)), h("td", {class: "n"}, measureText(limit, isAligned)));
+      }))) : null,
   ];
 }
 

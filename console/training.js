@@ -4,7 +4,7 @@ import {h, replace} from "./dom.js";
 import {call, get, put} from "./api.js";
 import {act, problem} from "./parts.js";
 
-const MAIN_OPTIONS = {landmarks: ["preset", "method", "viewpoint", "signature"], objects: ["segment", "dimension", "stages"]};
+const MAIN_OPTIONS = {landmarks: ["preset", "method", "viewpoint", "signature"], objects: ["segment", "appearance", "dimension", "stages"]};
 // Options that may be none. For the others null means the database's value.
 const MAY_BE_NONE = ["position_prior_px", "width_px", "height_px"];
 const PROMOTE = {always: "always", if_not_worse: "if it is not worse than the one in use", never: "never: I shall do it myself"};

@@ -41,7 +41,7 @@ test("a view between the taught ones is named, and the dial shows its turn", () 
     assert.ok(apart(shown, turn_deg) < 3, `${name} at ${turn_deg}° is shown at ${shown}°`);
     // The dots of the taught views come on the rim.
     await page.locator("#try-dial .views circle").nth(29).waitFor({state: "attached"});
-    await sees(page, "#try-candidates tbody tr", new RegExp(`${name}[\\s\\S]*near enough`));
+    await sees(page, "#try-candidates tbody tr", new RegExp(`${name}[\\s\\S]*enough`));
   }
 }));
 
@@ -60,5 +60,5 @@ test("a thing that was never taught is Unknown, and the candidates say how far i
   await tab.go("#/try/things");
   assert.equal(await ask(page, file("strange.png", onTurntable(STRANGE, 30))), "Unknown");
   await sees(page, ".verdict .reasons", /beyond_threshold/);
-  await sees(page, "#try-candidates tbody tr", /too far/);
+  await sees(page, "#try-candidates tbody tr", /too little/);
 }));

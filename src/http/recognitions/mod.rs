@@ -84,7 +84,7 @@ pub struct RecognitionBody {
     /// What to act on; null when nothing is recognised, or not for sure enough.
     pub decision: Option<DecisionBody>,
     /// Reasons to doubt the answer. Landmarks: `no_interest_points`, `too_few_points`, `votes_on_background`,
-    /// `close_second`, `gray_frame`. Objects: `resized`, `blank_picture`, `over_exposed`, `beyond_threshold`,
+    /// `close_second`, `gray_frame`. Objects: `resized`, `blank_picture`, `over_exposed`, `gray_frame`, `beyond_threshold`,
     /// `close_second`, `not_calibrated`; with `segment` also `no_region`, `touches_border`, `several_regions`.
     pub warnings: Vec<&'static str>,
     pub timings_ms: TimingsBody,

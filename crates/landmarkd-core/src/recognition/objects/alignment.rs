@@ -331,7 +331,7 @@ fn from_units(unknowns: &[f64; 4]) -> Similarity {
 mod tests {
     use super::super::disturbance::Disturbance;
     use super::super::model::Objects;
-    use super::super::recognition::Recognition;
+    use super::super::recognition::{Recognition, Warning};
     use super::super::test_pictures::{SIDE_PX, normaliser, thing, turntable};
     use super::super::{ObjectOptions, train};
     use crate::angle::angular_distance_deg;
@@ -436,5 +436,8 @@ mod tests {
             assert_eq!(decision.label, label);
             assert!(angular_distance_deg(decision.pose.unwrap().turn_deg, 52.0) < 3.0);
         }
+        // The colours are all that tells them apart.
+        let gray = asked(&model, &Frame::gray(painted(52.0, red).luminance));
+        assert!(gray.warnings.contains(&Warning::GrayFrame) && gray.warnings.contains(&Warning::CloseSecond));
     }
 }

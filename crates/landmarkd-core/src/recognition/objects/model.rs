@@ -11,6 +11,7 @@ use super::reason::Reason;
 use super::recognition::{Candidate, Decision, Pose, Recognition, Warning};
 use crate::eigen::{ClassCovariance, EigenError, Eigenspace, RadiusIndex};
 use crate::imaging::{Frame, Image};
+use crate::recognition::Colour;
 use crate::vision::GradientField;
 use crate::vision::segmentation::{Region, Segmentation};
 
@@ -134,6 +135,9 @@ impl Objects {
         mut finished: impl FnMut(Stage),
     ) -> Recognition {
         let mut warnings = appearance.warnings();
+        if self.options.colour == Colour::Opponent && !appearance.is_colour {
+            warnings.push(Warning::GrayFrame);
+        }
         if appearance.is_blank() {
             warnings.push(blank);
             let reasons = vec![Reason::Light { over_exposed: appearance.over_exposed }];

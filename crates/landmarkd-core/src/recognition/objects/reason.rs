@@ -14,12 +14,13 @@ const LIKE: f64 = 0.5;
 /// Shift, as a part of the longer side, and change of scale beyond which a place is the reason.
 const OFF_CENTRE_PART: f64 = 0.06;
 const OFF_SCALE: f64 = 1.15;
-/// Cells are tried for hidden ones on the side of lines in so many directions.
+/// Lines that may part what is seen from what is hidden have so many directions.
 const DIRECTIONS: usize = 16;
-/// Of what isn't explained, the part that lies beyond the line if something is hidden there, while no more than …
-const HIDDEN_PART: f64 = 0.7;
-/// … this part of the object does.
-const MOST_HIDDEN: f64 = 0.5;
+/// Each side has at least this part of the object.
+const LEAST_SIDE: f32 = 0.2;
+/// Of the side that is seen at least this part is explained, and so many times what is of the other.
+const SEEN: f32 = 0.4;
+const CONTRAST: f32 = 3.0;
 /// Between views so far apart the object may look otherwise.
 const SPARSE_DEG: f64 = 18.0;
 
@@ -141,25 +142,25 @@ pub(super) struct Visibility {
 }
 
 impl Visibility {
-    /// Whether what isn't explained lies on one side of the object: beyond a line that leaves most of it.
+    /// Whether a line parts the object into a side that is seen and one that isn't.
     fn is_hidden_on_one_side(&self) -> bool {
         let [columns, _] = self.cells;
-        let missing: Vec<f32> = self.weights.iter().zip(&self.energies).map(|(w, e)| (1.0 - w) * e).collect();
-        let (all, all_missing) = (self.energies.iter().sum::<f32>(), missing.iter().sum::<f32>());
+        let all: f32 = self.energies.iter().sum();
+        let seen: f32 = self.weights.iter().zip(&self.energies).map(|(w, e)| w * e).sum();
         (0..DIRECTIONS).any(|direction| {
             let (sin, cos) = (std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64).sin_cos();
             let along = |cell: usize| cos * (cell % columns) as f64 + sin * (cell / columns) as f64;
             let mut order: Vec<usize> = (0..self.energies.len()).collect();
-            order.sort_by(|&a, &b| along(b).total_cmp(&along(a)));
-            let (mut beyond, mut beyond_missing) = (0.0, 0.0);
-            for cell in order {
-                beyond += self.energies[cell];
-                beyond_missing += missing[cell];
-                if f64::from(beyond) > MOST_HIDDEN * f64::from(all) {
-                    break;
-                }
-            }
-            f64::from(beyond_missing) >= HIDDEN_PART * f64::from(all_missing)
+            order.sort_by(|&a, &b| along(a).total_cmp(&along(b)));
+            let (mut before, mut seen_before) = (0.0, 0.0);
+            order.into_iter().any(|cell| {
+                before += self.energies[cell];
+                seen_before += self.weights[cell] * self.energies[cell];
+                let (behind, seen_behind) = (all - before, seen - seen_before);
+                before.min(behind) >= LEAST_SIDE * all
+                    && seen_before >= SEEN * before
+                    && seen_before / before >= CONTRAST * seen_behind / behind
+            })
         })
     }
 }

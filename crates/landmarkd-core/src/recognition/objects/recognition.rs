@@ -91,6 +91,8 @@ pub enum Warning {
     SeveralRegions,
     /// Much of the picture is saturated: its shading is lost.
     OverExposed,
+    /// The picture is gray, and the database compares colours: those say nothing here.
+    GrayFrame,
     /// No known object is near enough.
     BeyondThreshold,
     /// Another object is nearly as near.
@@ -109,6 +111,7 @@ impl Warning {
             Warning::TouchesBorder => "touches_border",
             Warning::SeveralRegions => "several_regions",
             Warning::OverExposed => "over_exposed",
+            Warning::GrayFrame => "gray_frame",
             Warning::BeyondThreshold => "beyond_threshold",
             Warning::CloseSecond => "close_second",
             Warning::NotCalibrated => "not_calibrated",
