@@ -20,6 +20,8 @@ const SIDES: usize = 2;
 /// The likeliest starts of one object's alignment.
 pub(super) struct Hypothesis {
     pub object: usize,
+    /// B(15), if objects are ordered by it.
+    pub mahalanobis: Option<f64>,
     /// The likeliest first.
     pub starts: Vec<Start>,
 }
@@ -76,38 +78,38 @@ impl Objects {
         is_left_out: impl Fn(usize) -> bool,
     ) -> Vec<Hypothesis> {
         let places = reach.places();
-        let mut hits = self.hits(field, &places, is_left_out);
+        let mut appearances = Vec::with_capacity(places.len() * self.universal.length());
+        places.iter().for_each(|place| appearances.extend(self.appearance_at(field, place)));
+        let points = self.universal.project(&appearances); // B(13)
+        let mut hits = self.hits(&appearances, &points, is_left_out); // B(14)
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.view.cmp(&b.view)));
         let mut found: Vec<Hypothesis> = Vec::new();
         for hit in &hits {
             let object = self.object_of_view[hit.view];
             let start = Start { place: places[hit.place], turn_deg: self.views[hit.view].pose_deg };
             match found.iter().position(|hypothesis| hypothesis.object == object) {
-                None if found.len() < CANDIDATES => {
-                    found.push(Hypothesis { object, starts: vec![start] });
+                Some(at) => found[at].add(start),
+                None => {
+                    let point = &points[hit.place * self.dimension()..][..self.dimension()];
+                    let mahalanobis = self.covariances.as_ref().map(|all| all[object].distance(point)); // B(15)
+                    found.push(Hypothesis { object, mahalanobis, starts: vec![start] });
                 }
-                Some(at) if found[at].is_other_side(&start) => found[at].starts.push(start),
-                _ => {}
             }
         }
+        // Without covariances the order stays.
+        found.sort_by(|a, b| a.mahalanobis.unwrap_or(0.0).total_cmp(&b.mahalanobis.unwrap_or(0.0)));
+        found.truncate(CANDIDATES);
         found
     }
 
-    /// Views among which the nearest of each of the likeliest objects are.
-    fn hits(
-        &self,
-        field: &GradientField,
-        places: &[Similarity],
-        is_left_out: impl Fn(usize) -> bool,
-    ) -> Vec<Hit> {
-        let length = self.universal.length();
-        let mut appearances = Vec::with_capacity(places.len() * length);
-        places.iter().for_each(|place| appearances.extend(self.appearance_at(field, place)));
-        let points = self.universal.project(&appearances); // B(13)
+    /// Views among which the nearest of each of the likeliest objects are, of a picture read at several places. With
+    /// covariances any view may be.
+    fn hits(&self, appearances: &[f32], points: &[f32], is_left_out: impl Fn(usize) -> bool) -> Vec<Hit> {
         let mut hits: Vec<Hit> = Vec::new();
         // By object: the distance of its nearest view so far.
         let mut nearest = vec![f64::INFINITY; self.objects.len()];
-        let rows = appearances.chunks_exact(length).zip(points.chunks_exact(self.dimension()));
+        let rows =
+            appearances.chunks_exact(self.universal.length()).zip(points.chunks_exact(self.dimension()));
         for (place, (appearance, point)) in rows.enumerate() {
             let centred = appearance.iter().zip(&self.universal.mean).map(|(v, m)| f64::from(v - m).powi(2));
             let inside: f64 = point.iter().map(|&v| f64::from(v).powi(2)).sum();
@@ -115,9 +117,11 @@ impl Objects {
             let mut likeliest = nearest.clone();
             likeliest.sort_by(f64::total_cmp);
             let farthest = likeliest[CANDIDATES.min(likeliest.len()) - 1];
-            let radius = (farthest * farthest - outside).max(0.0).sqrt();
+            let radius = match self.covariances {
+                Some(_) => f64::INFINITY,
+                None => (farthest * farthest - outside).max(0.0).sqrt(),
+            };
             for near in self.radius_index.within(point, radius) {
-                // B(14)
                 if is_left_out(near.index) {
                     continue;
                 }
@@ -131,17 +135,20 @@ impl Objects {
     }
 
     /// The appearance at a place; what a gray picture doesn't say about colours is as the mean.
-    pub(super) fn appearance_at(&self, field: &GradientField, place: &Similarity) -> Vec<f32> {
+    fn appearance_at(&self, field: &GradientField, place: &Similarity) -> Vec<f32> {
         field.appearance(place, &self.universal.mean[self.normaliser.colourless_length()..])
     }
 }
 
 impl Hypothesis {
-    fn is_other_side(&self, start: &Start) -> bool {
+    /// Adds the start of another side of the object.
+    fn add(&mut self, start: Start) {
         let is_far = |other: &Start| match (start.turn_deg, other.turn_deg) {
             (Some(a), Some(b)) => angular_distance_deg(a, b) > OTHER_SIDE_DEG,
             _ => false,
         };
-        self.starts.len() < SIDES && self.starts.iter().all(is_far)
+        if self.starts.len() < SIDES && self.starts.iter().all(is_far) {
+            self.starts.push(start);
+        }
     }
 }

@@ -79,24 +79,17 @@ impl Objects {
             });
             let fit = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
             let (point, from_space) = aligner.space.locate(&fit.appearance); // B(13)
-            let mahalanobis = self.covariances.as_ref().map(|covariances| {
-                let (point, _) = self.universal.locate(&fit.appearance);
-                covariances[hypothesis.object].distance(&point) // B(15)
-            });
             Some(RankedObject {
                 object: hypothesis.object,
-                mahalanobis,
+                mahalanobis: hypothesis.mahalanobis,
                 distance: aligner.views.distance(&point, from_space), // B(14)
                 relative: unexplained_ratio(fit.explained),
                 fit: Some(fit),
             })
         };
         let mut ranking: Vec<RankedObject> = hypotheses.iter().filter_map(ranked).collect();
-        match self.covariance_decides() {
-            true => {
-                ranking.sort_by(|a, b| a.mahalanobis.unwrap_or(0.0).total_cmp(&b.mahalanobis.unwrap_or(0.0)))
-            }
-            false => ranking.sort_by(|a, b| a.relative.total_cmp(&b.relative)),
+        if !self.covariance_decides() {
+            ranking.sort_by(|a, b| a.relative.total_cmp(&b.relative));
         }
         ranking
     }
