@@ -46,7 +46,11 @@ const DATABASES: [Database; 4] = [
         options: r#"{"method": "paper", "interest_points": 8, "query_points": 12, "rings": 4, "sectors": 16,
             "dimension": 6}"#,
     },
-    Database { name: "objects", kind: "objects", options: r#"{"dimension": 6, "distance": "mahalanobis"}"# },
+    Database {
+        name: "objects",
+        kind: "objects",
+        options: r#"{"appearance": "intensity", "dimension": 6, "distance": "mahalanobis"}"#,
+    },
 ];
 
 /// The members of an answer that another run need not repeat.

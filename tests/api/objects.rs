@@ -82,6 +82,37 @@ async fn things_are_named_and_their_poses_told_between_the_views() {
     assert_eq!((&unknown["decision"], &unknown["pose"]), (&Value::Null, &Value::Null), "{unknown:#}");
     assert_eq!(unknown["warnings"][0], "beyond_threshold");
     assert_eq!(unknown["candidates"].as_array().unwrap().len(), 3, "the evidence is given in any case");
+    assert_eq!(
+        (&unknown["alignment"], &unknown["reasons"][0]["code"]),
+        (&Value::Null, &json!("unlike_anything"))
+    );
+}
+
+/// A thing that is moved by whole pixels; beyond its picture, ground.
+fn moved(which: Thing, turn_deg: f64, right_px: isize, down_px: isize) -> Bytes {
+    let luminance = thing(which, turn_deg, THING_PX).luminance;
+    let at = |x: usize, y: usize| {
+        let from = |v: usize, by: isize| (v as isize - by).clamp(0, THING_PX as isize - 1) as usize;
+        luminance.at(from(x, right_px), from(y, down_px))
+    };
+    png(&Frame::gray(Image::from_fn(THING_PX, THING_PX, at)))
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_thing_that_moved_is_named_with_its_place_and_far_away_the_reason_is_told() {
+    let app = shelf().await;
+    let answer = app.recognise("shelf", "", moved(Thing::Wedge, 100.0, 2, -1)).await;
+    assert_eq!(answer["decision"]["label"], "wedge", "{answer:#}");
+    let px = |name: &str| answer["alignment"][name].as_f64().unwrap();
+    assert!((px("shift_x_px") - 2.0).abs() < 0.7 && (px("shift_y_px") + 1.0).abs() < 0.7, "{answer:#}");
+    assert!(angular_distance_deg(answer["pose"]["turn_deg"].as_f64().unwrap(), 100.0) < 5.0, "{answer:#}");
+    assert_eq!(answer["reasons"], json!([]));
+
+    let far = app.recognise("shelf", "", moved(Thing::Wedge, 100.0, THING_PX as isize / 4, 0)).await;
+    assert_eq!(far["decision"], Value::Null, "{far:#}");
+    let reason = &far["reasons"][0];
+    assert_eq!(reason["code"], "off_centre", "{far:#}");
+    assert!(reason["detail"].as_str().unwrap().contains("wedge") && reason["remedy"].is_string(), "{far:#}");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -94,6 +125,7 @@ async fn an_answer_has_the_evidence_of_its_kind_and_no_other() {
         names
     };
     let all = [
+        "alignment",
         "candidates",
         "database",
         "decision",
@@ -101,6 +133,7 @@ async fn an_answer_has_the_evidence_of_its_kind_and_no_other() {
         "header",
         "kind",
         "pose",
+        "reasons",
         "timings_ms",
         "version",
         "warnings",
@@ -111,14 +144,12 @@ async fn an_answer_has_the_evidence_of_its_kind_and_no_other() {
     assert!((0.5..=1.0).contains(&confidence), "{answer:#}");
     let candidates = answer["candidates"].as_array().unwrap();
     assert_eq!((candidates.len(), &candidates[0]["label"]), (2, &json!("bar")));
-    let one = ["distance_from_space", "distance_in_space", "label", "threshold"];
+    let one =
+        ["distance_from_space", "distance_in_space", "explained", "label", "least_explained", "threshold"];
     assert_eq!(sorted(members(&candidates[0])), one);
-    let distance = |candidate: &Value| {
-        let of = |name: &str| candidate[name].as_f64().unwrap();
-        of("distance_in_space").hypot(of("distance_from_space"))
-    };
-    assert!(distance(&candidates[0]) < distance(&candidates[1]));
-    assert!(distance(&candidates[0]) <= candidates[0]["threshold"].as_f64().unwrap());
+    let explained = |candidate: &Value| candidate["explained"].as_f64().unwrap();
+    assert!(explained(&candidates[0]) > explained(&candidates[1]));
+    assert!(explained(&candidates[0]) >= candidates[0]["least_explained"].as_f64().unwrap());
     let timings = ["appearance", "decode", "object", "queue", "recognise", "universal"];
     assert_eq!(sorted(members(&answer["timings_ms"])), timings);
     let metrics = app.get("/metrics").await;
@@ -127,6 +158,17 @@ async fn an_answer_has_the_evidence_of_its_kind_and_no_other() {
         let line = format!("landmarkd_recognition_stage_seconds_count{{stage=\"{stage}\"}} {count}\n");
         assert!(metrics.contains(&line), "{line} {metrics}");
     }
+
+    app.train("shelf", json!({"options": {"appearance": "intensity"}})).await;
+    let answer = app.recognise("shelf", "", picture(Thing::Bar, 40.0)).await;
+    let candidates = answer["candidates"].as_array().unwrap();
+    let distance = |candidate: &Value| {
+        let of = |name: &str| candidate[name].as_f64().unwrap();
+        of("distance_in_space").hypot(of("distance_from_space"))
+    };
+    assert!(distance(&candidates[0]) < distance(&candidates[1]));
+    assert!(distance(&candidates[0]) <= candidates[0]["threshold"].as_f64().unwrap());
+    assert_eq!((&candidates[0]["explained"], &answer["alignment"]), (&Value::Null, &Value::Null));
 
     let mahalanobis = json!({"options": {"distance": "mahalanobis", "stages": "universal_only"}});
     app.train("shelf", mahalanobis).await;
@@ -260,15 +302,28 @@ async fn a_database_of_objects_tells_its_options_and_takes_others() {
     let app = App::start().await;
     let created = app.put(SHELF, json!({"kind": "objects"})).await.expect(201);
     let defaults = json!({
-        "width_px": null, "height_px": null, "resize": "fit", "smoothing": 3.0 / 128.0, "segment": false,
+        "appearance": "gradient", "colour": "auto",
+        "width_px": null, "height_px": null, "resize": "fit", "smoothing": 1.5 / 128.0, "segment": false,
         "dimension": "auto", "stages": "universal_then_object", "search": "kd_tree",
-        "distance": "euclidean", "accept": 0.97,
+        "distance": "euclidean", "accept": 0.98,
     });
     assert_eq!((&created["kind"], &created["options"]), (&json!("objects"), &defaults));
     let options = json!({"dimension": 12, "segment": false, "width_px": 64, "height_px": 64});
     let changed = app.put(SHELF, json!({"kind": "objects", "options": options})).await.expect(200);
     assert_eq!((&changed["options"]["dimension"], &changed["options"]["width_px"]), (&json!(12), &json!(64)));
     assert_eq!(app.get("/v1/databases").await.expect(200)["items"], json!([changed]));
+
+    // Another appearance brings its own defaults.
+    let options = json!({"appearance": "intensity", "dimension": 9});
+    let changed = app.put(SHELF, json!({"kind": "objects", "options": options})).await.expect(200);
+    let of = |name: &str| changed["options"][name].clone();
+    assert_eq!(
+        (of("smoothing"), of("colour"), of("accept")),
+        (json!(3.0 / 128.0), json!("gray"), json!(0.97))
+    );
+    let coloured = json!({"kind": "objects", "options": {"colour": "opponent"}});
+    let problem = app.put(SHELF, coloured).await.expect_problem(422, "invalid_field");
+    assert_eq!(problem["errors"][0]["pointer"], "/options/colour");
 }
 
 #[tokio::test(flavor = "multi_thread")]
