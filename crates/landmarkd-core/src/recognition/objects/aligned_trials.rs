@@ -4,22 +4,29 @@ use super::held_out::{LabelledPoints, Trial};
 use super::hypothesis::Reach;
 use super::model::Objects;
 use super::object::ViewSet;
-use super::ranked_object::{RankedObject, unexplained_ratio};
+use super::ranked_object::{RankedObject, explained_part, unexplained_ratio};
 use crate::angle::angular_distance_deg;
 use crate::vision::GradientField;
 
 /// Show disturbed views to the database: those that there are. A trial's distances are the ratios of what is not
-/// explained.
+/// explained. `gap_ratio` is the part of an interpolation error that is left when the gap halves.
 pub(super) fn aligned_trials(
     model: &Objects,
     disturbed: &[Option<GradientField>],
     points: &LabelledPoints,
+    gap_ratio: f64,
 ) -> Vec<Trial> {
     let shown = disturbed.iter().enumerate().filter_map(|(view, field)| Some((view, field.as_ref()?)));
-    shown.map(|(view, field)| trial(model, view, field, points)).collect()
+    shown.map(|(view, field)| trial(model, view, field, points, gap_ratio)).collect()
 }
 
-fn trial(model: &Objects, view: usize, field: &GradientField, points: &LabelledPoints) -> Trial {
+fn trial(
+    model: &Objects,
+    view: usize,
+    field: &GradientField,
+    points: &LabelledPoints,
+    gap_ratio: f64,
+) -> Trial {
     let object = points.object_of_view[view];
     let others = views_without(model, view, points);
     let hypotheses = model.hypotheses(field, Reach::Near, |other| points.is_left_out_with(other, view));
@@ -30,9 +37,19 @@ fn trial(model: &Objects, view: usize, field: &GradientField, points: &LabelledP
     let ranked = model.ranked_by_alignment(field, Reach::Near, &hypotheses, views_of);
     let own = ranked.iter().find(|ranked| ranked.object == object);
     let first = ranked.first().map(|first| first.object == object);
+    let all_views = |of: usize| &model.objects[of].views;
+    let own_hypothesis = hypotheses.iter().filter(|hypothesis| hypothesis.object == object);
+    let learnt = own_hypothesis
+        .flat_map(|own| model.ranked_by_alignment(field, Reach::Near, std::slice::from_ref(own), all_views))
+        .next();
+    // Where the view itself was learnt nothing is interpolated, and the disturbance alone takes away.
+    let expected = own.zip(learnt).map(|(own, learnt)| {
+        let [held_out, learnt] = [own.relative, learnt.relative].map(explained_part);
+        unexplained_ratio(held_out.max(learnt - gap_ratio * (learnt - held_out)))
+    });
     Trial {
         object,
-        own_distance: others.as_ref().map(|_| own.map_or(unexplained_ratio(0.0), |own| own.relative)),
+        own_distance: others.as_ref().map(|_| expected.unwrap_or(unexplained_ratio(0.0))),
         is_likely: own.is_some(),
         other: ranked.iter().find(|ranked| ranked.object != object).map(RankedObject::near),
         own_is_first: if model.covariance_decides() { first } else { None },

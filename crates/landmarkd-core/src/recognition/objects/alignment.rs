@@ -19,6 +19,8 @@ use crate::vision::smoothed;
 const EXPECTED: [f64; 4] = [5.0, 5.0, 0.1, 0.105];
 /// What a place that is one standard deviation away costs, where two unrelated appearances cost 2.
 const PRIOR: f64 = 0.006;
+/// … and this part of the energy that interpolation leaves.
+const PRIOR_OF_INTERPOLATION: f64 = 0.4;
 /// No place farther away is looked at, near where the object was learnt …
 const FARTHEST: [f64; 4] = [14.0, 14.0, 0.3, 0.3];
 /// … and in the whole picture, where a place costs nothing.
@@ -79,6 +81,8 @@ pub(super) struct Aligner<'a> {
     pub cells: [usize; 2],
     pub space: &'a Eigenspace,
     pub views: &'a ViewSet,
+    /// Of the object: see [`ObjectPart`](super::parts::ObjectPart).
+    pub typical_distance: f64,
 }
 
 /// How a difference of appearances changes with the unknowns.
@@ -211,9 +215,13 @@ impl Aligner<'_> {
         TOLERANCE / (self.cells[0] * self.cells[1]) as f32
     }
 
-    /// What a place costs that is one standard deviation away.
+    /// What a place costs that is one standard deviation away: the more, the worse the views between which is interpolated
+    /// agree, as a shift may feign a turn.
     fn prior(&self) -> f64 {
-        if self.reach == Reach::Near { PRIOR } else { 0.0 }
+        match self.reach {
+            Reach::Near => PRIOR + PRIOR_OF_INTERPOLATION * self.typical_distance.powi(2),
+            Reach::Far => 0.0,
+        }
     }
 
     /// Lets cells count by how little they differ, and finds the gain by those that count.

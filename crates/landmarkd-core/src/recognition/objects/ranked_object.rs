@@ -127,6 +127,7 @@ impl Objects {
             cells: self.normaliser.samples().into(),
             space: self.objects[object].part.space.as_ref().unwrap_or(&self.universal),
             views,
+            typical_distance: self.objects[object].part.typical_distance,
         }
     }
 }

@@ -175,7 +175,7 @@ fn calibrate(
     let points = set.labelled(model.radius_index.points(), model.dimension());
     let trials = match model.options.appearance {
         AppearanceOf::Intensity => statistics.trials(model, &set.rows, held_out, &points),
-        AppearanceOf::Gradient => aligned_trials(model, &set.disturbed, &points),
+        AppearanceOf::Gradient => aligned_trials(model, &set.disturbed, &points, statistics.distance_ratio),
     };
     model.acceptance = statistics.acceptance(model, &trials, &points);
     trials
