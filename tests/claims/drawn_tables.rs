@@ -310,6 +310,14 @@ pub fn all(seed: u64) -> Vec<DrawnTable> {
         things.extend(mixed(random, light));
         add(drawn(&format!("a dark line of {breadth} px beneath parts"), gray(60.0), &things, sight, seed));
     }
+    for breadth in [12.0, 24.0] {
+        let at_px = [random.uniform(150.0, 170.0), 240.0];
+        let line = Drawn::mark(Shape::Bar(breadth / 2.0, 300.0), at_px, random.uniform(-4.0, 4.0), gray(8.0));
+        let mut things = vec![line];
+        things.extend(mixed(random, light));
+        let name = format!("a dark line of {breadth} px on a mid-gray ground");
+        add(drawn(&name, gray(110.0), &things, sight, seed));
+    }
     add(drawn("nothing", gray(90.0), &[], Sight { fall_off: 0.5, ..sight }, seed));
     add(drawn("nothing on a texture of 25", gray(90.0), &[], Sight { texture: (25.0, 4), ..sight }, seed));
 

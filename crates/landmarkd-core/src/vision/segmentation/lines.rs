@@ -1,18 +1,20 @@
 //! Lines on the ground: thin, straight, and leading out of the picture on both sides. They are marks, not parts; where
 //! parts lie on one, it is taken from between them.
 
-use super::components::{Run, Touching, components};
+use super::components::{Run, Touching, area_px, components};
 use super::distance_map::{DistanceMap, ONE_PX};
 use super::region::Sums;
 
-/// A line is at most as broad as the picture's shorter side by this.
-const BREADTHS_A_SIDE: usize = 40;
-/// A piece of a line is at least so many breadths long.
-const LEAST_BREADTHS: f64 = 3.0;
-/// Length by breadth of a line or a piece of one, by its second moments.
-const LEAST_ELONGATION: f64 = 4.0;
-/// A line alone reaches over this part of the shorter side.
+/// A component is a line if it is so many times as long as broad, by its second moments, reaches from border to border
+/// over this part of the picture's shorter side, and is nowhere deeper than this part of its mean breadth.
+const LINE_ELONGATION: f64 = 10.0;
 const LEAST_REACH: f64 = 0.5;
+const MOST_DEPTH: f64 = 0.65;
+/// A line beneath parts is at most as broad as the shorter side by this.
+const BREADTHS_A_SIDE: usize = 40;
+/// A piece of it is at least so many breadths long, and so many times as long as broad by its second moments.
+const LEAST_BREADTHS: f64 = 3.0;
+const PIECE_ELONGATION: f64 = 4.0;
 
 /// What of a component is no line, in its components; `None` if nothing of it is a line. The picture has `width` × `height`
 /// pixels.
@@ -24,8 +26,14 @@ pub(super) fn without_lines(runs: &[Run], width: usize, height: usize) -> Option
         return None;
     }
     let shorter = width.min(height);
-    let breadth = (shorter / BREADTHS_A_SIDE).max(4);
     let map = DistanceMap::of(runs);
+    let whole = Piece::of(runs, &is_at_border);
+    let deepest_px = f64::from(map.thirds.iter().copied().max().unwrap_or(0)) / f64::from(ONE_PX);
+    let is_even = deepest_px <= MOST_DEPTH * area_px(runs) as f64 / whole.length + 1.0;
+    if is_even && whole.elongation >= LINE_ELONGATION && whole.border_reach >= LEAST_REACH * shorter as f64 {
+        return Some(vec![]);
+    }
+    let breadth = (shorter / BREADTHS_A_SIDE).max(4);
     let depth = (breadth / 2) as u16 * ONE_PX;
     let to_core = map.to_deeper_than(depth);
     // All of it is farther than a line's half breadth from what is deeper.
@@ -43,17 +51,9 @@ pub(super) fn without_lines(runs: &[Run], width: usize, height: usize) -> Option
     let thin_numbers = numbers(&thin_runs);
     let pieces: Vec<Piece> =
         map.runs(&thin_numbers, count).iter().map(|runs| Piece::of(runs, &is_at_border)).collect();
-    let is_alone = to_core.iter().all(|&to_core| to_core == u16::MAX);
     let is_line = |piece: &Piece| {
-        let is_long = match is_alone {
-            true => piece.border_reach >= LEAST_REACH * shorter as f64,
-            false => piece.length >= LEAST_BREADTHS * breadth as f64,
-        };
-        is_long && piece.elongation >= LEAST_ELONGATION
+        piece.length >= LEAST_BREADTHS * breadth as f64 && piece.elongation >= PIECE_ELONGATION
     };
-    if is_alone {
-        return pieces.iter().any(is_line).then(Vec::new);
-    }
     let leading_out = pieces.iter().filter(|piece| is_line(piece) && piece.is_at_border).count();
     if leading_out < 2 {
         return None;
@@ -68,7 +68,7 @@ pub(super) fn without_lines(runs: &[Run], width: usize, height: usize) -> Option
     Some(map.runs(&numbers(&runs), count))
 }
 
-/// A thin piece of a component.
+/// A component, or a thin piece of one.
 struct Piece {
     /// Diagonal of its box.
     length: f64,
