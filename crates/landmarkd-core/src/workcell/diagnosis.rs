@@ -54,6 +54,10 @@ pub fn best_kind(correspondences: &[Correspondence], flip_y: bool) -> MappingKin
     if correspondences.len() < MappingKind::Affine.least() {
         return MappingKind::Similarity;
     }
+    // Of points on a line no mapping of the plane can be told, and none is chosen that hides it.
+    if Mapping::fit(correspondences, Some(MappingKind::Affine), flip_y).is_err() {
+        return MappingKind::Affine;
+    }
     let rounding = ROUNDING * extent_mm(correspondences);
     let mut best = None;
     for kind in MappingKind::ALL {

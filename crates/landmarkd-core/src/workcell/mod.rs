@@ -12,7 +12,7 @@ mod mapping;
 
 pub use annotated::{annotate, annotate_regions};
 pub use centring::{Centring, LocalCamera, centring};
-pub use diagnosis::{Suspect, best_kind, leave_one_out_mm, residuals_mm, suspect};
+pub use diagnosis::{Suspect, leave_one_out_mm, residuals_mm, suspect};
 pub use distance::PartDistance;
 pub use inspection::{
     Inspection, InspectionError, PairScene, PairView, Part, Stage, Warning, inspect, inspect_with_depth,

@@ -8,7 +8,6 @@
 
 use super::blocks::Blocks;
 use super::options::Polarity;
-use crate::eigen::Symmetric;
 use crate::statistics::quantile_nearest;
 
 /// Blocks so far apart are compared, so that ground on both sides of a thin part is one.
@@ -37,13 +36,13 @@ const EVERY_ROW: usize = 2;
 const EVERY_PIXEL: [usize; 2] = [4, 3];
 /// Part of a normal distribution within one standard deviation. Of levels of a coarse step the median is too often 0.
 const WITHIN_SIGMA: f64 = 0.683;
-/// That part of neighbouring blocks at least is ground, and the same in standard deviations of a normal distribution's absolute value.
+/// That part of neighbouring blocks at least is ground, and the quantile of a normal distribution's absolute value.
 const GROUND_NEIGHBOURS: f64 = 0.25;
 const GROUND_NEIGHBOURS_SIGMAS: f32 = 0.319;
 /// The range is between these parts of the picture's pixels.
 const RANGE_PART: f64 = 0.001;
-/// 1, x, y, x², xy, y².
-const TERMS: usize = 6;
+/// A term of the surface of which less is orthogonal to those before it isn't determined by the ground.
+const LEAST_REST: f64 = 1e-9;
 
 /// The ground of a picture of one or several planes.
 pub(super) struct Ground {
@@ -284,23 +283,36 @@ struct Step {
     limits: Vec<f32>,
 }
 
-/// The quadratic surface through the ground's blocks by least squares, in every block.
+/// The quadratic surface through the ground's blocks by least squares, in every block: term by term, each made orthogonal
+/// to those before it over the ground (Gram and Schmidt).
 fn quadratic(blocks: &Blocks, means: &[f32], is_ground: &[bool]) -> Vec<f32> {
-    let terms = |block: usize| {
-        let [x, y] = blocks.position(block);
-        [1.0, x, y, x * x, x * y, y * y]
+    let positions: Vec<[f64; 2]> = (0..blocks.count()).map(|block| blocks.position(block)).collect();
+    let terms: [fn([f64; 2]) -> f64; 6] =
+        [|_| 1.0, |[x, _]| x, |[_, y]| y, |[x, _]| x * x, |[x, y]| x * y, |[_, y]| y * y];
+    let means: Vec<f64> = means.iter().map(|&mean| f64::from(mean)).collect();
+    let inner = |a: &[f64], b: &[f64]| -> f64 {
+        let products = a.iter().zip(b).zip(is_ground);
+        products.filter(|(_, is_ground)| **is_ground).map(|((a, b), _)| a * b).sum()
     };
-    let (mut matrix, mut right) = ([0.0; TERMS * TERMS], [0.0; TERMS]);
-    for block in (0..blocks.count()).filter(|&block| is_ground[block]) {
-        let terms = terms(block);
-        for (row, a) in terms.iter().enumerate() {
-            right[row] += a * f64::from(means[block]);
-            terms.iter().enumerate().for_each(|(column, b)| matrix[row * TERMS + column] += a * b);
+    let add = |to: &mut [f64], factor: f64, v: &[f64]| {
+        to.iter_mut().zip(v).for_each(|(to, v)| *to += factor * v);
+    };
+    let (mut basis, mut levels): (Vec<Vec<f64>>, _) = (Vec::new(), vec![0.0; blocks.count()]);
+    for term in terms {
+        let mut v: Vec<f64> = positions.iter().map(|&position| term(position)).collect();
+        let whole = inner(&v, &v);
+        for before in &basis {
+            let along = inner(&v, before);
+            add(&mut v, -along, before);
+        }
+        let rest = inner(&v, &v);
+        if rest > LEAST_REST * whole {
+            v.iter_mut().for_each(|v| *v /= rest.sqrt());
+            add(&mut levels, inner(&means, &v), &v);
+            basis.push(v);
         }
     }
-    let weights = Symmetric::of(&matrix, TERMS).map_or(vec![0.0; TERMS], |matrix| matrix.solve(&right));
-    let level = |block| terms(block).iter().zip(&weights).map(|(term, weight)| term * weight).sum::<f64>();
-    (0..blocks.count()).map(|block| level(block) as f32).collect()
+    levels.into_iter().map(|level| level as f32).collect()
 }
 
 #[cfg(test)]

@@ -180,9 +180,9 @@ fn parts(
     left_out: &mut LeftOut,
 ) -> Vec<Part> {
     let mut parts = Vec::new();
-    let (is_large, small): (Vec<_>, Vec<_>) =
+    let (large, small): (Vec<_>, Vec<_>) =
         components.into_iter().partition(|runs| area_px(runs) >= left_out.least_area_px);
-    for component in is_large {
+    for component in large {
         let rest = if may_be_line { without_lines(&component, width, height) } else { None };
         left_out.lines += usize::from(rest.is_some());
         for runs in rest.unwrap_or_else(|| vec![component]) {
