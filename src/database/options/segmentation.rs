@@ -76,7 +76,8 @@ pub struct SegmentationOptionsDocument {
     #[schema(required = false)]
     #[param(required = false)]
     pub polarity: Option<PolarityWord>,
-    /// Smaller regions are specks; null or absent: chosen by the background's noise.
+    /// Smaller regions are specks; null or absent: chosen by the background's noise, with a
+    /// threshold for the whole picture a 500th of it.
     #[schema(minimum = 1)]
     #[param(minimum = 1)]
     pub min_area_px: Option<usize>,

@@ -17,6 +17,7 @@ mod touching;
 use components::{Run, Touching, area_px, by_component, components, kept};
 pub use foreground::Noise;
 use foreground::{Foreground, otsu_level};
+use holes::over_square;
 use lines::without_lines;
 use options::MAX_WINDOW_PX;
 pub use options::{MAX_OBJECTS, Polarity, SegmentationOptions, Threshold};
@@ -30,10 +31,15 @@ use std::ops::Range;
 
 use crate::imaging::{Frame, Image};
 
-/// The least area of a region that is told by one level, if it is chosen.
+/// With one level for the picture the noise isn't known: a region's least area is this part of the picture, if it is
+/// chosen, and at least so many pixels.
+const SMALLEST_PART: usize = 500;
 const SMALLEST_PX: usize = 16;
 /// A region differs from the ground by so many offsets in the mean: what hardly reaches the offset anywhere is texture.
 const LEAST_EXCESS: f32 = 1.3;
+/// A fragment has less than this part of the area of what it lies beside, with twice so many pixels between them at most.
+const FRAGMENT_PART: f64 = 0.05;
+const FRAGMENT_REACH_PX: usize = 3;
 /// The brightest gray level.
 const WHITE: f32 = 255.0;
 
@@ -140,13 +146,18 @@ impl Segmentation {
 
 /// The regions of a picture, with options that have no faults.
 pub fn segmented<'a>(picture: impl Into<Picture<'a>>, options: &SegmentationOptions) -> Segmentation {
-    let picture = picture.into();
+    regions(picture.into(), options, options.threshold == Threshold::Adaptive)
+}
+
+/// The regions of a picture; those of a `table` without lines, and divided where several parts touch.
+fn regions(picture: Picture, options: &SegmentationOptions, table: bool) -> Segmentation {
     let (width, height) = (picture.luminance.width(), picture.luminance.height());
     let Told { components, above, shadows, noise } = told(picture, options); // B§3, threshold and labelling
-    let least_area_px = options.min_area_px.or(noise.map(|noise| noise.least_area_px)).unwrap_or(SMALLEST_PX);
+    let of_noise = noise.map(|noise| noise.least_area_px);
+    let least_area_px =
+        options.min_area_px.or(of_noise).unwrap_or((width * height / SMALLEST_PART).max(SMALLEST_PX));
     let mut left_out = LeftOut { least_area_px, shadows, ..LeftOut::default() };
-    let may_be_line = options.threshold == Threshold::Adaptive;
-    let mut parts = parts(components, (width, height), may_be_line, &mut left_out);
+    let mut parts = parts(components, (width, height), table, &mut left_out);
     let found = parts.len();
     parts.sort_by_key(|part| Reverse(area_px(&part.runs))); // stable
     parts.truncate(options.max_objects);
@@ -172,18 +183,22 @@ struct Part {
     pieces: Vec<Vec<Run>>,
 }
 
-/// The components that are parts: large enough, without lines if `may_be_line`, and divided where several touch.
+/// The components that are parts: large enough, and on a `table` without lines, and divided where several touch.
 fn parts(
     components: Vec<Vec<Run>>,
     (width, height): (usize, usize),
-    may_be_line: bool,
+    table: bool,
     left_out: &mut LeftOut,
 ) -> Vec<Part> {
     let mut parts = Vec::new();
     let (large, small): (Vec<_>, Vec<_>) =
         components.into_iter().partition(|runs| area_px(runs) >= left_out.least_area_px);
     for component in large {
-        let rest = if may_be_line { without_lines(&component, width, height) } else { None };
+        if !table {
+            parts.push(Part { runs: component, pieces: vec![] });
+            continue;
+        }
+        let rest = without_lines(&component, width, height);
         left_out.lines += usize::from(rest.is_some());
         for runs in rest.unwrap_or_else(|| vec![component]) {
             if area_px(&runs) < left_out.least_area_px {
@@ -224,18 +239,17 @@ impl Segmentation {
     }
 }
 
-/// The regions of a picture that an object may fill most of: unless a window is given, the background is estimated in
-/// squares of the picture's shorter side.
+/// The regions of a picture that one object may fill most of: unless a window is given, the background is estimated in
+/// squares of the picture's shorter side; nothing is taken for a line or for several parts.
 pub fn segmented_from_near<'a>(
     picture: impl Into<Picture<'a>>,
     options: &SegmentationOptions,
 ) -> Segmentation {
     let picture = picture.into();
     let shorter_px = picture.luminance.width().min(picture.luminance.height()).clamp(3, MAX_WINDOW_PX);
-    segmented(
-        picture,
-        &SegmentationOptions { window_px: options.window_px.or(Some(shorter_px)), ..options.clone() },
-    )
+    let options =
+        SegmentationOptions { window_px: options.window_px.or(Some(shorter_px)), ..options.clone() };
+    regions(picture, &options, false)
 }
 
 /// What is told from the background.
@@ -268,8 +282,43 @@ fn told(picture: Picture, options: &SegmentationOptions) -> Told {
         sum > LEAST_EXCESS * pixels as f32
     };
     let runs = kept(&runs, &core, width);
-    let components = by_component(runs.into_iter().filter(is_clear), count);
+    let mut components = by_component(runs.into_iter().filter(is_clear), count);
+    join_fragments(&mut components, &mask, width, noise.least_area_px);
     Told { components, above, shadows, noise: Some(noise) }
+}
+
+/// Join fragments to the part that they lie beside: a dark place between them was taken for ground. Components below
+/// `least_px` are specks.
+fn join_fragments(components: &mut Vec<Vec<Run>>, mask: &[u8], width: usize, least_px: usize) {
+    let most = components.iter().map(|runs| area_px(runs)).max().unwrap_or(0);
+    let is_fragment = |area: usize, of: usize| area >= least_px && (area as f64) < FRAGMENT_PART * of as f64;
+    if !components.iter().any(|runs| is_fragment(area_px(runs), most)) {
+        return;
+    }
+    let near = over_square(mask, width, FRAGMENT_REACH_PX, |a, b| a | b);
+    let (runs, count) = self::components::components(&near, width, Touching::Corners);
+    let mut neighbourhoods = vec![u32::MAX; mask.len()];
+    for run in &runs {
+        neighbourhoods[run.row() * width..][run.columns()].fill(run.component() as u32);
+    }
+    let neighbourhood =
+        |runs: &[Run]| neighbourhoods[runs[0].row() * width + runs[0].columns().start] as usize;
+    let mut largest: Vec<Option<usize>> = vec![None; count];
+    for (k, runs) in components.iter().enumerate() {
+        let largest = &mut largest[neighbourhood(runs)];
+        if largest.is_none_or(|other| area_px(&components[other]) < area_px(runs)) {
+            *largest = Some(k);
+        }
+    }
+    for k in 0..components.len() {
+        let Some(to) = largest[neighbourhood(&components[k])].filter(|to| *to != k) else { continue };
+        if is_fragment(area_px(&components[k]), area_px(&components[to])) {
+            let fragment = std::mem::take(&mut components[k]);
+            components[to].extend(fragment);
+            components[to].sort_by_key(|run| (run.row(), run.columns().start));
+        }
+    }
+    components.retain(|runs| !runs.is_empty());
 }
 
 /// A picture divided by one level: 1 in the foreground, else 0; and by how much each pixel is above the level.

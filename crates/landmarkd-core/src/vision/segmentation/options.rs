@@ -37,7 +37,8 @@ pub struct SegmentationOptions {
     pub offset: Option<f64>,
     /// Whether objects are light or dark. Colour counts with [`Polarity::Either`] alone.
     pub polarity: Polarity,
-    /// Smaller regions are specks, from 1; `None`: what noise hardly reaches, 12 at least; 16 with one level.
+    /// Smaller regions are specks, from 1; `None`: what noise hardly reaches, 12 at least; with one level a
+    /// 500th of the picture, at least 16.
     pub min_area_px: Option<usize>,
     /// Most regions in the result, the largest, 1..=1000.
     pub max_objects: usize,
