@@ -92,11 +92,16 @@ fn parts_of_every_kind_are_counted_placed_and_measured_on_drawn_tables() {
         tables.iter().for_each(|tables| outcome.add(&tables[kind]));
         let name = &tables[0][kind].name;
         outcome.say(name);
-        assert_eq!(outcome.missed, 0, "{name}");
         match name.as_str() {
             // By their shape alone not all pairs are surely two.
-            "touching pairs" => assert!(outcome.doubted <= outcome.parts / 2, "{name}"),
-            _ => assert_eq!((outcome.right, outcome.doubted), (outcome.tables, 0), "{name}"),
+            "touching pairs" => {
+                assert!(3 * (outcome.doubted + outcome.missed) <= outcome.parts, "{name}");
+                assert!(8 * outcome.missed <= outcome.parts, "{name}");
+            }
+            _ => {
+                assert_eq!((outcome.right, outcome.doubted), (outcome.tables, 0), "{name}");
+                assert_eq!(outcome.missed, 0, "{name}");
+            }
         }
         assert!(outcome.off_px.iter().all(|off| *off < 2.5), "{name}");
     }
