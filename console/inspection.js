@@ -10,6 +10,14 @@ import {mapped, overlaid, pixelOf} from "./workcell_form.js";
 const WARNINGS = {
   no_region: "Nothing stands out from the background: check the threshold and whether objects are lighter or darker.",
   more_regions: "More stands out than “most objects” lets through: the largest are reported.",
+  touching: "A region may be several parts that touch: move them apart, or take its pieces.",
+  large_region: "The largest region may be the table itself: crop the picture to the table, or say whether objects are lighter or darker.",
+  little_ground: "Hardly any background is to be seen, so its level is a guess: show more of it, or give a gray level as threshold.",
+  textured_ground: "The ground's texture is nearly as strong as the parts: plainer ground, or more even light, shows fainter ones.",
+  line_left_out: "A line across the picture was taken for a mark on the ground.",
+  shadows_left_out: "Dark places beside the parts were taken for their shadows.",
+  perhaps_shadow: "A part's dark side may be its shadow: light from several sides, or a coloured ground, tells them apart.",
+  small_left_out: "Something nearly as large as the least area was left out: if it is a part, lower “least area”.",
   not_segmented: "The version was trained without segment, so its exemplars were normalised differently from the parts. "
     + "Train it with segment.",
   no_region_in_pair: "Nothing stands out in the near-focused picture, so that no part got its distance.",
@@ -86,7 +94,10 @@ function reasons(part, image) {
     h("h3", {}, `Part ${part.region.id}: `, named(part)),
     h("div", {class: "row top"}, cut, h("div", {},
       sentences(part).map((sentence) => h("p", {}, sentence)),
-      h("p", {class: "muted"}, `${number(part.region.area_px, 0)} px, ${number(part.region.elongation, 2)} times as long as broad.`))),
+      h("p", {class: "muted"}, `${number(part.region.area_px, 0)} px, ${number(part.region.elongation, 2)} times as long as broad, `
+        + `${part.region.darker ? "darker" : "lighter"} than the ground.`),
+      part.region.touching ? h("p", {class: "note"}, `It may be ${part.region.pieces.length} parts that touch, at `
+        + `${part.region.pieces.map(({centroid_px: [x, y]}) => `${number(x, 0)}, ${number(y, 0)}`).join(" and ")} px.`) : null)),
     part.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ", OBJECT_WARNINGS[word] ?? "")),
     part.candidates.length ? h("table", {}, h("caption", {class: "visually-hidden"}, "What it was compared with"),
       h("thead", {}, h("tr", {}, h("th", {}, "Like"),
@@ -98,6 +109,16 @@ function reasons(part, image) {
           h("td", {class: "n"}, measureText(value, isAligned)), h("td", {class: "n"}, measureText(limit, isAligned)));
       }))) : null,
   ];
+}
+
+// What differs from the ground and is no part, in a sentence.
+function leftOut({left_out: {small, small_areas_px: areas, least_area_px: least, lines, shadows}, ground}) {
+  const found = [];
+  if (small) found.push(`${small} below ${least} px, the largest of ${areas[0]}`);
+  if (lines) found.push(`${lines} ${lines === 1 ? "line" : "lines"}`);
+  if (shadows) found.push(`${shadows} ${shadows === 1 ? "shadow" : "shadows"}`);
+  const contrast = ground ? `Parts differ from the ground by ${number(ground.offset, 1)} gray levels or more. ` : "";
+  return contrast + (found.length ? `Left out: ${found.join("; ")}.` : "Nothing was left out.");
 }
 
 // `image` is the overview as a loaded <img>, `mapping` that of the workcell.
@@ -155,6 +176,7 @@ export function inspectionView(answer, image, mapping) {
     h("p", {class: "answer", role: "status"}, h("strong", {}, objects.length ? `${known} named, ${strange} unknown` : "Nothing stands out"),
       `: ${answer.regions_found} regions in ${number(answer.timings_ms.total, 0)} ms, by ${answer.database} version ${answer.version}`,
       answer.calibration ? `, distances by ${answer.calibration}.` : "."),
+    h("p", {class: "muted", id: "left-out"}, leftOut(answer)),
     answer.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ",
       WARNINGS[word] ?? DEPTH_WARNINGS[word.replace("depth_", "")] ?? "")),
     h("div", {class: "split"},

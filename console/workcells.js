@@ -113,6 +113,19 @@ function inspecting(workcell, files, onOverview, signal) {
   return node;
 }
 
+// What a warning of a workcell says, and about which points.
+function doubt(word, suspects) {
+  const points = suspects.map((at) => at + 1).join(" and ");
+  return {
+    mirrored: "With the other direction of Y the points would fit far better, or two of them are exchanged.",
+    exchanged: `With the robot's coordinates of points ${points} exchanged the mapping would fit far better.`,
+    outlying: `Without point ${points} the mapping would fit far better: look for what is mistyped.`,
+  }[word] ?? "";
+}
+
+const foretold = ({leave_one_out_mm: left}) => Object.entries(left ?? {}).filter(([, mm]) => mm !== null)
+  .map(([kind, mm]) => `${kind} ${number(mm)} mm`).join(", ");
+
 async function one(main, name, signal, isSetUp = false) {
   const [workcell, {databases, calibrations}] = await Promise.all([get(address(name), {signal}), choices(signal)]);
   if (signal.aborted) return;
@@ -136,9 +149,9 @@ async function one(main, name, signal, isSetUp = false) {
       fact("Database", h("a", {href: `#/databases/${encodeURIComponent(workcell.database)}`}, workcell.database)),
       fact("Calibration", workcell.calibration ?? "none"),
       fact("Mapping", `${mapping.kind}, ${workcell.correspondences.length} points`), fact("Residual", `${number(mapping.residual_mm)} mm`),
+      foretold(mapping) ? fact("Points left out are off by", foretold(mapping)) : null,
       fact("Changed", time(workcell.updated_at))),
-    workcell.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word),
-      word === "mirrored" ? " With the other direction of Y the points would fit far better, or two of them are exchanged." : "")),
+    workcell.warnings.map((word) => h("p", {class: "note"}, h("code", {}, word), " ", doubt(word, mapping.suspects ?? []))),
     inspecting(workcell, files, form.show, signal),
     h("details", {class: "card", id: "set-up", open: isSetUp}, h("summary", {}, "Set-up: mapping, points, segmentation"), form.node,
       h("details", {}, h("summary", {}, "The mapping's matrix"),

@@ -18,7 +18,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("random", &[]),
     ("column", &[]),
     ("imaging", &["statistics", "random"]),
-    ("vision", &["imaging"]),
+    ("vision", &["imaging", "statistics"]),
     ("eigen", &["random", "column"]),
     ("depth", &["vision", "eigen", "imaging", "statistics"]),
     ("recognition", &["vision", "eigen", "imaging", "angle", "statistics", "column"]),

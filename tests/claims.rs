@@ -12,8 +12,12 @@ mod composites;
 mod data;
 #[path = "claims/depth.rs"]
 mod depth;
+#[path = "claims/drawn_tables.rs"]
+mod drawn_tables;
 #[path = "claims/objects.rs"]
 mod objects;
+#[path = "claims/parts.rs"]
+mod parts;
 #[path = "claims/placement.rs"]
 mod placement;
 #[path = "claims/places.rs"]

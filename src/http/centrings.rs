@@ -65,12 +65,13 @@ pub async fn post(
     let kept = service.databases.workcell(&path.name).await?;
     reach(&caller, kept.setup.database.as_str())?;
     let picture = picture.admitted(&service)?;
-    let (limits, memory, workcell) = (service.decode, picture.working_bytes, kept.setup.workcell);
+    let (limits, memory, workcell) =
+        (service.decode, picture.header.segmentation_bytes(), kept.setup.workcell);
     let work = move || {
         let mut stages = StageClock::begin();
         let frame = imaging::decode(&picture.bytes, &limits)?;
         stages.end("decode");
-        let centring = centring(&frame.luminance, &workcell);
+        let centring = centring(&frame, &workcell);
         stages.end("segment");
         Ok::<_, Problem>((centring, stages))
     };

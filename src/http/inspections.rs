@@ -15,7 +15,7 @@ use super::depth_maps::decoded_pair;
 use super::extract::{Path, Query};
 use super::problem::{Code, FieldError, Problem};
 use super::recognitions::{CandidateBody, DecisionBody, PoseBody, drawn, version_for};
-use super::regions::RegionBody;
+use super::regions::{GroundBody, LeftOutBody, RegionBody};
 use super::stages::{StageClock, ms};
 use super::uploads::{KnownParts, Picture, RobotHeader};
 use super::workcells::WorkcellPath;
@@ -96,10 +96,19 @@ pub struct InspectionBody {
     pub regions_found: usize,
     /// One for each region, the largest first; also those that are nothing known.
     pub objects: Vec<PartBody>,
-    /// `no_region`: nothing stands out. `more_regions`: there are more than `max_objects`. `not_segmented`: the version
+    /// `no_region`: nothing stands out. `more_regions`: there are more than `max_objects`. `touching`: a region may be several
+    /// parts. `large_region`: the largest may be the table itself. `little_ground`: too little of the picture is ground to
+    /// be sure of its level. `textured_ground`: parts of little contrast are lost in its texture. `line_left_out`,
+    /// `shadows_left_out`, `small_left_out` (nearly as large as the least area): see `left_out`. `perhaps_shadow`: a part's
+    /// dark side may be its shadow. `not_segmented`: the version
     /// was trained without `segment`, so that its pictures were made by another recipe than the parts are cut out by.
     /// `no_region_in_pair`: nothing stands out in the near-focused picture. Those of a depth map with `depth_` before.
     pub warnings: Vec<String>,
+    /// What differs from the ground and is no region.
+    #[schema(required = false)]
+    pub left_out: LeftOutBody,
+    /// What the overview was compared with; null with a threshold for the whole picture.
+    pub ground: Option<GroundBody>,
     pub timings_ms: InspectionTimings,
 }
 
@@ -209,7 +218,7 @@ impl Pictures {
     /// Memory that they take while they are worked on.
     fn working_bytes(&self) -> u64 {
         let pair = self.pair.as_ref().map_or(0, |pair| pair.near.depth_bytes + pair.far.depth_bytes);
-        self.overview.working_bytes + pair
+        self.overview.header.segmentation_bytes() + pair
     }
 }
 
@@ -403,6 +412,8 @@ impl Inspected {
             regions_found: inspection.segmentation.found,
             objects: inspection.parts.iter().map(PartBody::from).collect(),
             warnings: inspection.warnings.iter().map(|warning| warning.code()).collect(),
+            left_out: (&inspection.segmentation.left_out).into(),
+            ground: inspection.segmentation.noise.map(GroundBody::from),
             timings_ms: InspectionTimings::of(queue, &stages),
         };
         Json(body).into_response()

@@ -12,7 +12,7 @@ use utoipa::ToSchema;
 use super::extract::essence;
 use super::options::{read_segmentation, read_segmentation_query};
 use super::problem::{FieldError, Problem};
-use super::regions::RegionBody;
+use super::regions::{GroundBody, LeftOutBody, RegionBody};
 use super::stages::{StageClock, ms};
 use super::uploads::{KnownParts, OnePicture, Picture, RobotHeader};
 use super::{Service, accept};
@@ -44,8 +44,17 @@ pub struct SegmentationBody {
     pub regions_found: usize,
     /// The largest first.
     pub regions: Vec<RegionBody>,
-    /// `no_region`: nothing stands out. `more_regions`: there are more than `max_objects`.
+    /// `no_region`: nothing stands out. `more_regions`: there are more than `max_objects`. `touching`: a region may be several
+    /// parts. `large_region`: the largest may be the table itself. `little_ground`: too little of the picture is ground to
+    /// be sure of its level. `textured_ground`: parts of little contrast are lost in its texture. `line_left_out`,
+    /// `shadows_left_out`, `small_left_out` (nearly as large as the least area): see `left_out`. `perhaps_shadow`: a part's
+    /// dark side may be its shadow.
     pub warnings: Vec<String>,
+    /// What differs from the ground and is no region.
+    #[schema(required = false)]
+    pub left_out: LeftOutBody,
+    /// What the picture was compared with; null with a threshold for the whole picture.
+    pub ground: Option<GroundBody>,
     pub timings_ms: SegmentationTimings,
 }
 
@@ -88,7 +97,7 @@ impl Segmented {
         let mut stages = StageClock::begin();
         let frame = imaging::decode(&picture.bytes, limits)?;
         stages.end("decode");
-        let segmentation = segmented(&frame.luminance, options);
+        let segmentation = segmented(&frame, options);
         stages.end("segment");
         let (width, height) = (segmentation.width(), segmentation.height());
         let png = match media_type {
@@ -117,6 +126,8 @@ impl Segmented {
             regions_found: segmentation.found,
             regions: segmentation.regions.iter().map(RegionBody::from).collect(),
             warnings,
+            left_out: (&segmentation.left_out).into(),
+            ground: segmentation.noise.map(GroundBody::from),
             timings_ms: SegmentationTimings::of(queue, &stages),
         };
         Json(body).into_response()
@@ -183,7 +194,7 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let media_type = accept::choose(&headers, &OFFERED)?;
     let (picture, options) = read(request, &service).await?;
-    let (limits, memory) = (service.decode, picture.working_bytes);
+    let (limits, memory) = (service.decode, picture.header.segmentation_bytes());
     let work = move || Segmented::of(&picture, &options, media_type, &limits);
     let (segmented, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
     let segmented = segmented?;

@@ -21,7 +21,9 @@ use crate::database::workcells::{
     CorrespondenceDocument, LocalCameraDocument, MappingKindWord, WorkcellDocument,
 };
 use crate::database::{DatabaseError, KeptWorkcell, Name, WorkcellSetup};
-use landmarkd_core::workcell::{MappingError, Workcell};
+use landmarkd_core::workcell::{
+    MappingError, MappingKind, Suspect, Workcell, leave_one_out_mm, residuals_mm, suspect,
+};
 
 /// The workcell that a call is about.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
@@ -43,6 +45,24 @@ pub struct MappingBody {
     pub matrix: [[f64; 3]; 3],
     /// Root mean square distance of the correspondences from where the mapping puts them.
     pub residual_mm: f64,
+    /// The distance of each correspondence, in their order; null beyond the mapping's horizon.
+    #[schema(required = false)]
+    pub residuals_mm: Vec<Option<f64>>,
+    /// How well each kind of mapping foretells a correspondence from the others.
+    #[schema(required = false)]
+    pub leave_one_out_mm: LeaveOneOutBody,
+    /// The correspondences, by their indices from 0, that `exchanged` (two) or `outlying` (one) is about.
+    #[schema(required = false)]
+    pub suspects: Vec<usize>,
+}
+
+/// Root mean square distance of left-out correspondences from where a mapping fitted to the others puts them, in mm;
+/// null if too few are left. What `mapping` is chosen by if it isn't given.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct LeaveOneOutBody {
+    pub similarity: Option<f64>,
+    pub affine: Option<f64>,
+    pub homography: Option<f64>,
 }
 
 /// A workcell as it is kept.
@@ -59,6 +79,8 @@ pub struct WorkcellBody {
     /// All members; null: chosen from each picture.
     pub segmentation: SegmentationOptionsDocument,
     /// `mirrored`: with the other `flip_y` the correspondences would fit far better, or two of them were exchanged.
+    /// `exchanged`: with the robot's points of the two `suspects` exchanged they would. `outlying`: without the one in
+    /// `suspects` they would.
     pub warnings: Vec<&'static str>,
     pub created_at: Timestamp,
     pub updated_at: Timestamp,
@@ -68,18 +90,38 @@ impl From<KeptWorkcell> for WorkcellBody {
     fn from(kept: KeptWorkcell) -> Self {
         let KeptWorkcell { name, setup, created_at, updated_at } = kept;
         let Workcell { mapping, flip_y, local, tolerance_px, segmentation } = setup.workcell;
+        let suspect = suspect(&mapping, &setup.correspondences, flip_y);
+        let warnings = [
+            ("mirrored", mapping.mirrored),
+            ("exchanged", matches!(suspect, Some(Suspect::Exchanged(_)))),
+            ("outlying", matches!(suspect, Some(Suspect::Outlying(_)))),
+        ];
+        let left_out = |kind| leave_one_out_mm(&setup.correspondences, kind, flip_y);
+        let leave_one_out_mm = LeaveOneOutBody {
+            similarity: left_out(MappingKind::Similarity),
+            affine: left_out(MappingKind::Affine),
+            homography: left_out(MappingKind::Homography),
+        };
+        let mapping = MappingBody {
+            kind: mapping.kind.into(),
+            matrix: mapping.matrix,
+            residual_mm: mapping.residual_mm,
+            residuals_mm: residuals_mm(&mapping, &setup.correspondences),
+            leave_one_out_mm,
+            suspects: match suspect {
+                Some(Suspect::Exchanged(pair)) => pair.to_vec(),
+                Some(Suspect::Outlying(at)) => vec![at],
+                None => vec![],
+            },
+        };
         Self {
             name,
             database: setup.database.to_string(),
             calibration: setup.calibration.map(|name| name.to_string()),
             correspondences: setup.correspondences.into_iter().map(CorrespondenceDocument::from).collect(),
             flip_y,
-            warnings: if mapping.mirrored { vec!["mirrored"] } else { vec![] },
-            mapping: MappingBody {
-                kind: mapping.kind.into(),
-                matrix: mapping.matrix,
-                residual_mm: mapping.residual_mm,
-            },
+            warnings: warnings.into_iter().filter(|(_, is_so)| *is_so).map(|(word, _)| word).collect(),
+            mapping,
             local: local.map(LocalCameraDocument::from),
             tolerance_px,
             segmentation: (&segmentation).into(),

@@ -136,6 +136,59 @@ async fn options_say_the_same_in_the_query_and_in_a_form() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn darker_and_lighter_things_are_told_apart_and_what_is_left_out_is_counted() {
+    let app = App::start().await;
+    let disc = |x: f64, y: f64, at: [f64; 2], radius: f64| (x - at[0]).hypot(y - at[1]) < radius;
+    let picture = drawn(320, 240, |x, y| {
+        let noise = ((x * 37.0 + y * 101.0) % 5.0) as u8;
+        let light = disc(x, y, [60.0, 60.0], 25.0);
+        // Two discs that touch, a speck, and a line across the picture.
+        let pair = disc(x, y, [200.0, 60.0], 20.0) || disc(x, y, [238.5, 60.0], 20.0);
+        let is_speck = disc(x, y, [60.0, 200.0], 1.5);
+        let is_line = (y - 130.0).abs() < 2.0;
+        match (light || is_speck, pair || is_line) {
+            (true, _) => 200 + noise,
+            (_, true) => 30 + noise,
+            _ => 110 + noise,
+        }
+    });
+    let seen = regions(&app, "", picture.clone()).await;
+    assert_eq!(seen["regions_found"], 3, "{seen:#}");
+    let darker: Vec<&Value> = (0..3).map(|at| &seen["regions"][at]["darker"]).collect();
+    assert_eq!(darker, [&json!(false), &json!(true), &json!(true)], "{seen:#}");
+    assert!(seen["regions"].as_array().unwrap().iter().all(|region| region["touching"] == false));
+    assert_eq!((&seen["left_out"]["lines"], &seen["left_out"]["small"]), (&json!(1), &json!(1)), "{seen:#}");
+    let speck = seen["left_out"]["small_areas_px"][0].as_u64().unwrap();
+    assert!(
+        (5..12).contains(&speck) && seen["left_out"]["least_area_px"].as_u64().unwrap() > speck,
+        "{seen:#}"
+    );
+    assert!(seen["ground"]["part"].as_f64().unwrap() > 0.7 && seen["ground"]["averaged_px"] == 1, "{seen:#}");
+    assert!(seen["warnings"].as_array().unwrap().contains(&json!("line_left_out")), "{seen:#}");
+    let light = regions(&app, "?polarity=light_on_dark", picture.clone()).await;
+    assert_eq!(light["regions_found"], 1, "{light:#}");
+    assert_eq!(regions(&app, "?threshold=otsu", picture).await["ground"], Value::Null);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn parts_that_may_be_two_come_with_both_readings() {
+    let app = App::start().await;
+    // Two discs so close together that their neck is nearly as broad as they are.
+    let picture = drawn(240, 160, |x, y| {
+        let disc = |at: f64| (x - at).hypot(y - 80.0) < 30.0;
+        if disc(95.0) || disc(143.0) { 200 } else { 40 }
+    });
+    let seen = regions(&app, "", picture).await;
+    assert_eq!((&seen["regions_found"], &seen["warnings"]), (&json!(1), &json!(["touching"])), "{seen:#}");
+    let region = &seen["regions"][0];
+    assert_eq!(region["touching"], true);
+    let mut middles: Vec<f64> =
+        (0..2).map(|at| region["pieces"][at]["centroid_px"][0].as_f64().unwrap()).collect();
+    middles.sort_by(f64::total_cmp);
+    assert!((middles[0] - 94.0).abs() < 3.0 && (middles[1] - 144.0).abs() < 3.0, "{region:#}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn nothing_and_too_much_are_answers_with_a_warning() {
     let app = App::start().await;
     for level in [0, 128, 255] {

@@ -149,11 +149,12 @@ async fn a_workcell_is_described_replaced_listed_and_deleted() {
     );
     assert_eq!((&made["correspondences"], &made["warnings"]), (&bench()["correspondences"], &json!([])));
     let segmentation = json!({
-        "threshold": "adaptive", "window_px": null, "offset": null, "polarity": "light_on_dark",
+        "threshold": "adaptive", "window_px": null, "offset": null, "polarity": "either",
         "min_area_px": null, "max_objects": 100,
     });
     assert_eq!(made["segmentation"], segmentation);
-    assert_eq!(made["mapping"]["kind"], "affine");
+    // An exact similarity foretells its points as well as an affine map does, and is simpler.
+    assert_eq!(made["mapping"]["kind"], "similarity");
     assert!(made["mapping"]["residual_mm"].as_f64().unwrap() < 1e-6, "{made:#}");
     let expected = [[0.5, 0.0, 100.0], [0.0, -0.5, 300.0], [0.0, 0.0, 1.0]];
     for (row, expected) in made["mapping"]["matrix"].as_array().unwrap().iter().zip(expected) {
@@ -225,6 +226,40 @@ async fn two_places_make_a_similarity_and_a_wrong_hand_is_told() {
     let mirrored = app.put(BENCH, bench_with(wrong)).await.expect(200);
     assert_eq!(mirrored["warnings"], json!(["mirrored"]), "{mirrored:#}");
     assert!(mirrored["mapping"]["residual_mm"].as_f64().unwrap() > 10.0);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn every_point_has_its_residual_and_two_that_are_exchanged_are_named() {
+    let app = App::start().await;
+    app.put(PARTS, json!({"kind": "objects"})).await.expect(201);
+    let places = [[20.0, 30.0], [600.0, 25.0], [610.0, 450.0], [15.0, 440.0], [310.0, 200.0], [150.0, 330.0]];
+    let right = correspondences(&places);
+    let told = app.put(BENCH, bench_with(json!({"correspondences": right}))).await.expect(201);
+    assert_eq!((&told["warnings"], &told["mapping"]["suspects"]), (&json!([]), &json!([])), "{told:#}");
+    let left_out = &told["mapping"]["leave_one_out_mm"];
+    for kind in ["similarity", "affine", "homography"] {
+        assert!(left_out[kind].as_f64().unwrap() < 1e-6, "{told:#}");
+    }
+    let mut wrong = right.clone();
+    wrong[1]["robot_mm"] = right[4]["robot_mm"].clone();
+    wrong[4]["robot_mm"] = right[1]["robot_mm"].clone();
+    let body = bench_with(json!({"correspondences": wrong, "mapping": "affine"}));
+    let told = app.put(BENCH, body).await.expect(200);
+    assert_eq!(told["warnings"], json!(["exchanged"]), "{told:#}");
+    assert_eq!(told["mapping"]["suspects"], json!([1, 4]));
+    let off_mm = told["mapping"]["residuals_mm"].as_array().unwrap();
+    assert_eq!(off_mm.len(), places.len());
+    let most = off_mm.iter().map(|mm| mm.as_f64().unwrap()).fold(0.0, f64::max);
+    assert!(most > 50.0, "{told:#}");
+    let mut mistyped = right.clone();
+    mistyped[2]["robot_mm"][0] = json!(900.0);
+    let body = bench_with(json!({"correspondences": mistyped, "mapping": "affine"}));
+    let told = app.put(BENCH, body).await.expect(200);
+    assert_eq!(
+        (&told["warnings"], &told["mapping"]["suspects"]),
+        (&json!(["outlying"]), &json!([2])),
+        "{told:#}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -361,9 +396,8 @@ async fn parts_are_found_named_turned_and_located_and_unknown_ones_answered_as_s
     assert!(angular_distance_deg(2.0 * bar["robot_deg"].as_f64().unwrap(), -200.0) < 4.0, "{bar:#}");
     let unknown = at(&seen, [240, 180]);
     assert_eq!((&unknown["decision"], &unknown["pose"]), (&Value::Null, &Value::Null), "{unknown:#}");
-    assert!(
-        has(&unknown["warnings"], "beyond_threshold") && unknown["candidates"].as_array().unwrap().len() == 3
-    );
+    assert!(has(&unknown["warnings"], "beyond_threshold"), "{unknown:#}");
+    assert!(!unknown["candidates"].as_array().unwrap().is_empty(), "{unknown:#}");
     let times = &seen["timings_ms"];
     let sum: f64 = ["segment", "cut", "recognise", "design", "depth"]
         .map(|stage| times[stage].as_f64().unwrap())

@@ -97,7 +97,7 @@ pub fn tower_clips(folder: &Path, count: usize) -> Vec<Clip> {
 /// A table with objects.
 pub struct Table {
     pub name: String,
-    pub picture: Image,
+    pub picture: Frame,
     /// Of its objects, x and y.
     pub centroids_px: Vec<[f64; 2]>,
 }
@@ -121,7 +121,7 @@ pub fn made_tables(folder: &Path) -> Vec<Table> {
     let truth = json(&root.join("ground_truth.json"));
     let scenes = list(&truth).iter().map(|scene| {
         let name = scene["image"].as_str().expect("a name").to_owned();
-        let picture = read(&root.join(&name)).luminance;
+        let picture = read(&root.join(&name));
         let objects = list(&scene["objects"]).iter();
         Table { name, picture, centroids_px: objects.map(|object| point(&object["centroid_xy"])).collect() }
     });
@@ -133,7 +133,7 @@ pub fn coins(folder: &Path) -> Table {
     let root = folder.join("segmentation/real");
     let truth = json(&root.join("coins_reference.json"));
     let centroids_px = list(&truth["centroids_xy"]).iter().map(point).collect();
-    Table { name: "coins".to_owned(), picture: read(&root.join("coins.png")).luminance, centroids_px }
+    Table { name: "coins".to_owned(), picture: read(&root.join("coins.png")), centroids_px }
 }
 
 /// The photograph of six dark propellers on a light ground, gray.

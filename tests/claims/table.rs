@@ -250,7 +250,7 @@ fn two_stages_centre_a_part_although_the_local_camera_is_known_badly() {
         let mut at = [middle[0] + start_px * cos_off, middle[1] + start_px * sin_off];
         for (look, off_px) in off_px.iter_mut().enumerate() {
             let scene = TableScene::of_one(504, 3 * trial + look as u64, &picture, at, 2.0);
-            let seen = centring(&scene.overview().luminance, &workcell).expect("a part");
+            let seen = centring(&scene.overview(), &workcell).expect("a part");
             off_px.push(seen.move_px[0].hypot(seen.move_px[1]));
             // The camera goes where it is told, and what it sees moves the other way.
             let [x_mm, y_mm] = seen.move_mm.expect("a local camera").map(|mm| mm / LOCAL.mm_per_px);

@@ -7,8 +7,8 @@ use crate::database::words::words;
 use landmarkd_core::vision::segmentation::{Polarity, SegmentationOptions, Threshold};
 
 words!(
-    /// What objects look like.
-    PolarityWord, Polarity, { LightOnDark, DarkOnLight }
+    /// What objects look like: lighter or darker than the background or of another colour; lighter; darker.
+    PolarityWord, Polarity, { Either, LightOnDark, DarkOnLight }
 );
 
 /// `adaptive`: the mean of the background around each pixel, and an offset. `otsu`: one level for the picture, which
@@ -67,16 +67,17 @@ pub struct SegmentationOptionsDocument {
     #[schema(minimum = 3, maximum = 4095)]
     #[param(minimum = 3, maximum = 4095)]
     pub window_px: Option<usize>,
-    /// Adaptive only: how far a pixel must stand out from the background, in grey levels; null or absent: chosen from
-    /// the picture.
+    /// Adaptive only: how far a pixel must stand out from the background, in grey levels; null or absent: chosen by the
+    /// background's own noise and the picture's range.
     #[schema(minimum = 0, maximum = 255)]
     #[param(minimum = 0, maximum = 255)]
     pub offset: Option<f64>,
-    /// Whether objects are lighter than the background (the default) or darker.
+    /// Whether objects are lighter than the background, darker, or either, also of another colour alone (the default).
     #[schema(required = false)]
     #[param(required = false)]
     pub polarity: Option<PolarityWord>,
-    /// Smaller regions are specks; null or absent: chosen from the picture.
+    /// Smaller regions are specks; null or absent: chosen by the background's noise, with a
+    /// threshold for the whole picture a 500th of it.
     #[schema(minimum = 1)]
     #[param(minimum = 1)]
     pub min_area_px: Option<usize>,

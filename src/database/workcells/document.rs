@@ -88,7 +88,8 @@ pub struct WorkcellDocument {
     /// homography; more even out their errors.
     #[schema(value_type = Vec<CorrespondenceDocument>, min_items = 2, max_items = 100)]
     pub correspondences: Option<Vec<CorrespondenceDocument>>,
-    /// By default affine from three correspondences on, else a similarity.
+    /// By default the kind that foretells each correspondence from the others best, simple ones preferred; of three
+    /// an affine map, of two a similarity.
     #[schema(required = false)]
     pub mapping: Option<MappingKindWord>,
     /// Whether the robot's Y grows where the image's y falls, as seen by both cameras.
@@ -349,7 +350,7 @@ mod tests {
     fn the_kept_text_of_a_workcell_never_changes() {
         assert_eq!(
             kept(&setup(SegmentationOptions::default())),
-            r#"{"database":"parts","calibration":"rig","correspondences":[{"image_px":[10.0,10.0],"robot_mm":[105.0,295.0]},{"image_px":[600.0,20.0],"robot_mm":[400.0,290.0]},{"image_px":[30.0,460.0],"robot_mm":[115.0,70.0]},{"image_px":[610.0,450.0],"robot_mm":[405.0,75.0]}],"mapping":"homography","flip_y":true,"local":{"mm_per_px":0.25,"rotation_deg":-90.0},"tolerance_px":1.5,"segmentation":{"threshold":"adaptive","window_px":null,"offset":null,"polarity":"light_on_dark","min_area_px":null,"max_objects":100}}"#
+            r#"{"database":"parts","calibration":"rig","correspondences":[{"image_px":[10.0,10.0],"robot_mm":[105.0,295.0]},{"image_px":[600.0,20.0],"robot_mm":[400.0,290.0]},{"image_px":[30.0,460.0],"robot_mm":[115.0,70.0]},{"image_px":[610.0,450.0],"robot_mm":[405.0,75.0]}],"mapping":"homography","flip_y":true,"local":{"mm_per_px":0.25,"rotation_deg":-90.0},"tolerance_px":1.5,"segmentation":{"threshold":"adaptive","window_px":null,"offset":null,"polarity":"either","min_area_px":null,"max_objects":100}}"#
         );
     }
 }

@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn body_and_query_say_the_same_and_what_is_absent_or_null_is_the_default() {
         let null = json!({"threshold": null, "window_px": null, "offset": null, "min_area_px": null});
-        for body in [json!({}), null, json!({"threshold": "adaptive", "polarity": "light_on_dark"})] {
+        for body in [json!({}), null, json!({"threshold": "adaptive", "polarity": "either"})] {
             assert_eq!(read(body), (SegmentationOptions::default(), vec![]));
         }
         assert_eq!(read_segmentation_query(""), (SegmentationOptions::default(), vec![]));

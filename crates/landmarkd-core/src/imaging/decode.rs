@@ -89,6 +89,10 @@ pub struct Header {
 /// Planes of `f32` that finding interest points holds at most: smoothed, gradient x and y, three of edges, the map.
 const WORKING_PLANES: u64 = 7;
 
+/// Planes of `f32` that a segmentation holds at most: two of colour, three of differences, one of their ratio to the
+/// offset, three while a noisy ground is averaged, and its masks.
+const SEGMENTATION_PLANES: u64 = 10;
+
 /// Planes of `f32` that a depth map holds at most for each of its two pictures: forty for one, at full size, where the
 /// blur is so small that nothing is halved (some ten for registration and brightness, some sixty for filters, their
 /// products and windows, some ten for what is judged).
@@ -99,6 +103,11 @@ impl Header {
     /// (one `f32` plane, or four for a colour file), and the planes of attention.
     pub fn working_bytes(&self) -> u64 {
         self.bytes_with(WORKING_PLANES)
+    }
+
+    /// The same for a picture that is segmented.
+    pub fn segmentation_bytes(&self) -> u64 {
+        self.bytes_with(SEGMENTATION_PLANES)
     }
 
     /// The same for one of the two pictures that a depth map is made of.

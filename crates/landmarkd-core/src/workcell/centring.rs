@@ -1,8 +1,7 @@
 //! Centring with the camera at the gripper: the offset of the part nearest the picture's middle.
 
 use super::Workcell;
-use crate::imaging::Image;
-use crate::vision::segmentation::{Region, segmented_from_near};
+use crate::vision::segmentation::{Picture, Region, segmented_from_near};
 
 /// The camera at the gripper.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +37,8 @@ impl LocalCamera {
 }
 
 /// The region of a local picture that is nearest its middle; `None` without a region.
-pub fn centring(luminance: &Image, workcell: &Workcell) -> Option<Centring> {
-    let segmentation = segmented_from_near(luminance, &workcell.segmentation);
+pub fn centring<'a>(picture: impl Into<Picture<'a>>, workcell: &Workcell) -> Option<Centring> {
+    let segmentation = segmented_from_near(picture, &workcell.segmentation);
     let region = segmentation.central()?.clone();
     let middle = segmentation.middle_px();
     let move_px = [0, 1].map(|axis| region.centroid_px[axis] - middle[axis]);
@@ -59,6 +58,7 @@ pub fn centring(luminance: &Image, workcell: &Workcell) -> Option<Centring> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::imaging::Image;
     use crate::vision::segmentation::SegmentationOptions;
     use crate::workcell::{Correspondence, Mapping};
 

@@ -62,6 +62,22 @@ pub enum Warning {
     NoRegion,
     /// There are more regions than the most objects.
     MoreRegions,
+    /// A region may be several parts that touch.
+    Touching,
+    /// A region is so large that it may be the table, and the background what is around that.
+    LargeRegion,
+    /// Hardly any of the picture is ground, so that its level is a guess.
+    LittleGround,
+    /// The ground's texture is so strong that parts of little contrast are not seen.
+    TexturedGround,
+    /// A line on the ground was left out.
+    LineLeftOut,
+    /// Shadows were left out.
+    ShadowsLeftOut,
+    /// A part's dark side may be its shadow.
+    PerhapsShadow,
+    /// What is nearly as large as the least area was left out.
+    SmallLeftOut,
     /// The database was trained without `segment`: its exemplars are not normalised crops, as the parts are.
     NotSegmented,
     /// Nothing stands out in the near-focused picture.
@@ -70,14 +86,36 @@ pub enum Warning {
     Depth(depth::Warning),
 }
 
+/// A region of this part of the picture is large.
+const LARGE_PART: f64 = 0.4;
+/// Less of the picture than this is little ground.
+const LITTLE_PART: f32 = 0.2;
+/// An offset of more than this part of the picture's range is that of a strong texture.
+const TEXTURED_PART: f32 = 0.2;
+
 impl Warning {
-    /// The doubt about a segmentation, if there is one.
-    pub fn about(segmentation: &Segmentation) -> Option<Warning> {
-        match segmentation.regions.len() {
-            0 => Some(Warning::NoRegion),
-            given if segmentation.found > given => Some(Warning::MoreRegions),
-            _ => None,
-        }
+    /// The doubts about a segmentation.
+    pub fn about(segmentation: &Segmentation) -> Vec<Warning> {
+        let Segmentation { regions, found, left_out, noise, .. } = segmentation;
+        let large_px = LARGE_PART * (segmentation.width() * segmentation.height()) as f64;
+        let nearly_px = left_out.least_area_px.div_ceil(2);
+        let doubts = [
+            (Warning::NoRegion, regions.is_empty()),
+            (Warning::MoreRegions, *found > regions.len()),
+            (Warning::Touching, regions.iter().any(|region| !region.pieces.is_empty())),
+            (Warning::LargeRegion, regions.first().is_some_and(|region| region.area_px as f64 > large_px)),
+            (Warning::LittleGround, noise.is_some_and(|noise| noise.ground_part < LITTLE_PART)),
+            (
+                Warning::TexturedGround,
+                noise
+                    .is_some_and(|noise| noise.averaged_px > 1 && noise.offset > TEXTURED_PART * noise.range),
+            ),
+            (Warning::LineLeftOut, left_out.lines > 0),
+            (Warning::ShadowsLeftOut, left_out.shadows.left_out > 0),
+            (Warning::PerhapsShadow, left_out.shadows.doubtful > 0),
+            (Warning::SmallLeftOut, left_out.small_areas_px.first().is_some_and(|&area| area >= nearly_px)),
+        ];
+        doubts.into_iter().filter(|(_, is_doubtful)| *is_doubtful).map(|(warning, _)| warning).collect()
     }
 
     /// A short name for programs.
@@ -85,6 +123,14 @@ impl Warning {
         let code = match self {
             Warning::NoRegion => "no_region",
             Warning::MoreRegions => "more_regions",
+            Warning::Touching => "touching",
+            Warning::LargeRegion => "large_region",
+            Warning::LittleGround => "little_ground",
+            Warning::TexturedGround => "textured_ground",
+            Warning::LineLeftOut => "line_left_out",
+            Warning::ShadowsLeftOut => "shadows_left_out",
+            Warning::PerhapsShadow => "perhaps_shadow",
+            Warning::SmallLeftOut => "small_left_out",
             Warning::NotSegmented => "not_segmented",
             Warning::NoRegionInPair => "no_region_in_pair",
             Warning::Depth(warning) => return format!("depth_{}", warning.word()),
@@ -150,7 +196,7 @@ pub fn inspect(
     model: &Objects,
     mut finished: impl FnMut(Stage),
 ) -> Inspection {
-    let segmentation = segmented(&overview.luminance, &workcell.segmentation); // B§3
+    let segmentation = segmented(overview, &workcell.segmentation); // B§3
     finished(Stage::Segment);
     let part = |region: &Region| {
         let recognition = model.recognise_region(overview, &segmentation, region, |stage| {

@@ -3,6 +3,7 @@
 
 use thiserror::Error;
 
+use super::diagnosis::best_kind;
 use crate::eigen::Symmetric;
 
 /// A pixel and the place on the table that it shows.
@@ -99,8 +100,11 @@ const FAR_BETTER: f64 = 0.5;
 const LARGEST: f64 = 1e9;
 
 impl MappingKind {
+    /// All, those with fewer parameters first.
+    pub const ALL: [MappingKind; 3] = [MappingKind::Similarity, MappingKind::Affine, MappingKind::Homography];
+
     /// The least number of correspondences.
-    fn least(self) -> usize {
+    pub(super) fn least(self) -> usize {
         match self {
             MappingKind::Similarity => 2,
             MappingKind::Affine => 3,
@@ -110,8 +114,7 @@ impl MappingKind {
 }
 
 impl Mapping {
-    /// The mapping that fits best; without a kind, an affine map from three correspondences on, else a similarity.
-    /// `flip_y` says whether the robot's Y grows where the image's y falls: a similarity takes it as given, the others
+    /// The mapping that fits best; without a kind, that of [`best_kind`]. `flip_y` says whether the robot's Y grows where the image's y falls: a similarity takes it as given, the others
     /// find out.
     ///
     /// # Errors
@@ -121,10 +124,7 @@ impl Mapping {
         kind: Option<MappingKind>,
         flip_y: bool,
     ) -> Result<Mapping, MappingError> {
-        let kind = kind.unwrap_or(match correspondences.len() < MappingKind::Affine.least() {
-            true => MappingKind::Similarity,
-            false => MappingKind::Affine,
-        });
+        let kind = kind.unwrap_or_else(|| best_kind(correspondences, flip_y));
         check(correspondences, kind)?;
         let image = Normalised::of("image_px", correspondences.iter().map(|pair| pair.image_px))?;
         let robot = Normalised::of("robot_mm", correspondences.iter().map(|pair| pair.robot_mm))?;

@@ -5,12 +5,14 @@
 
 mod annotated;
 mod centring;
+mod diagnosis;
 mod distance;
 mod inspection;
 mod mapping;
 
 pub use annotated::{annotate, annotate_regions};
 pub use centring::{Centring, LocalCamera, centring};
+pub use diagnosis::{Suspect, leave_one_out_mm, residuals_mm, suspect};
 pub use distance::PartDistance;
 pub use inspection::{
     Inspection, InspectionError, PairScene, PairView, Part, Stage, Warning, inspect, inspect_with_depth,

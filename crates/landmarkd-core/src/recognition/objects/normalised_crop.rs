@@ -127,7 +127,7 @@ struct Pixel {
 
 /// The pixels of a region.
 fn pixels(luminance: &Image, segmentation: &Segmentation, region: &Region) -> impl Iterator<Item = Pixel> {
-    let is_negative = segmentation.polarity() == Polarity::DarkOnLight;
+    let is_negative = region.is_darker;
     segmentation.runs(region).flat_map(move |(y, columns)| {
         let levels = &luminance.row(y)[columns.clone()];
         columns.zip(levels).map(move |(x, &v)| Pixel {
@@ -239,8 +239,8 @@ mod tests {
             if off < 28.0 { 60.0 } else { (205.0 - 0.35 * off) as f32 }
         });
         let object = ObjectSegmentation::of(&image);
-        assert_eq!(object.segmentation.polarity(), Polarity::DarkOnLight);
         assert_eq!(object.segmentation.regions.len(), 1);
+        assert!(object.segmentation.regions[0].is_darker);
         let area = object.segmentation.regions[0].area_px as f64;
         assert!((area / 2463.0 - 1.0).abs() < 0.03, "{area}");
     }

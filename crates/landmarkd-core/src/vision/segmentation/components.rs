@@ -23,6 +23,11 @@ pub(super) struct Run {
 }
 
 impl Run {
+    /// Of no component.
+    pub fn new(row: usize, columns: Range<usize>) -> Run {
+        Run { row: row as u32, start: columns.start as u32, end: columns.end as u32, component: 0 }
+    }
+
     pub fn row(&self) -> usize {
         self.row as usize
     }
@@ -87,6 +92,35 @@ pub(super) fn components(mask: &[u8], width: usize, touching: Touching) -> (Vec<
         }
     }
     (runs, count as usize)
+}
+
+/// The runs of the pixels that are kept, each in the component of the run that it is a part of.
+pub(super) fn kept(runs: &[Run], kept: &[u8], width: usize) -> Vec<Run> {
+    let mut out = Vec::with_capacity(runs.len());
+    for run in runs {
+        let row = &kept[run.row() * width..][..run.end as usize];
+        let mut x = run.start as usize;
+        while let Some(gap) = memchr(1, &row[x..]) {
+            let start = x + gap;
+            let end = memchr(0, &row[start..]).map_or(row.len(), |length| start + length);
+            out.push(Run { start: start as u32, end: end as u32, ..*run });
+            x = end;
+        }
+    }
+    out
+}
+
+/// The number of pixels.
+pub(super) fn area_px(runs: &[Run]) -> usize {
+    runs.iter().map(|run| run.columns().len()).sum()
+}
+
+/// The runs of each component that has any.
+pub(super) fn by_component(runs: impl Iterator<Item = Run>, count: usize) -> Vec<Vec<Run>> {
+    let mut components = vec![Vec::new(); count];
+    runs.for_each(|run| components[run.component()].push(run));
+    components.retain(|runs| !runs.is_empty());
+    components
 }
 
 fn root(runs: &mut [Run], mut at: usize) -> usize {

@@ -5,7 +5,6 @@
 use std::ops::Range;
 
 use super::components::{Run, Touching, components};
-use super::foreground::Foreground;
 
 /// Reach of the closing square: gaps of twice as many pixels don't open a hole to the outside.
 const REACH_PX: usize = 3;
@@ -14,16 +13,16 @@ const DARK_PART: f64 = 0.5;
 
 /// Fills the dark holes of a mask of 0 and 1, each within one part: what is dark between two parts, of at least
 /// `smallest_px` both, is their shadow.
-pub(super) fn fill_dark_holes(mask: &mut [u8], width: usize, foreground: &Foreground, smallest_px: usize) {
+pub(super) fn fill_dark_holes(mask: &mut [u8], width: usize, above: &[f32], offset: f32, smallest_px: usize) {
     let (mut holes, count) = components(&enclosed(mask, width), width, Touching::Sides);
     let mut sums = vec![(0.0, 0_usize); count];
     for run in &holes {
-        let above = &foreground.above[run.row() * width..][run.columns()];
+        let above = &above[run.row() * width..][run.columns()];
         let (sum, pixels) = &mut sums[run.component()];
         *sum += above.iter().map(|&v| f64::from(v)).sum::<f64>();
         *pixels += above.len();
     }
-    let dark = -DARK_PART * f64::from(foreground.offset);
+    let dark = -DARK_PART * f64::from(offset);
     holes.retain(|run| {
         let (sum, pixels) = sums[run.component()];
         sum < dark * pixels as f64
@@ -102,8 +101,8 @@ fn adjoining_parts(
 /// picture's border.
 fn closed(mask: &[u8], width: usize) -> Vec<u8> {
     let height = mask.len() / width.max(1);
-    let dilated = over_square(mask, width, |a, b| a | b);
-    let mut closed = over_square(&dilated, width, |a, b| a & b);
+    let dilated = over_square(mask, width, REACH_PX, |a, b| a | b);
+    let mut closed = over_square(&dilated, width, REACH_PX, |a, b| a & b);
     for (y, (row, mask)) in
         closed.chunks_exact_mut(width.max(1)).zip(mask.chunks_exact(width.max(1))).enumerate()
     {
@@ -118,16 +117,21 @@ fn closed(mask: &[u8], width: usize) -> Vec<u8> {
 }
 
 /// Each pixel joined with all in the square around it, within the picture: dilation by `|`, erosion by `&`.
-fn over_square(mask: &[u8], width: usize, join: impl Fn(u8, u8) -> u8 + Copy) -> Vec<u8> {
+pub(super) fn over_square(
+    mask: &[u8],
+    width: usize,
+    reach_px: usize,
+    join: impl Fn(u8, u8) -> u8 + Copy,
+) -> Vec<u8> {
     let mut rows = mask.to_vec();
     for (out, row) in rows.chunks_exact_mut(width.max(1)).zip(mask.chunks_exact(width.max(1))) {
-        for reach in 1..=REACH_PX.min(width.saturating_sub(1)) {
+        for reach in 1..=reach_px.min(width.saturating_sub(1)) {
             out[reach..].iter_mut().zip(row).for_each(|(out, &v)| *out = join(*out, v));
             out.iter_mut().zip(&row[reach..]).for_each(|(out, &v)| *out = join(*out, v));
         }
     }
     let mut out = rows.clone();
-    for reach in 1..=REACH_PX {
+    for reach in 1..=reach_px {
         let by = (reach * width).min(rows.len());
         out[by..].iter_mut().zip(&rows).for_each(|(out, &v)| *out = join(*out, v));
         out.iter_mut().zip(&rows[by..]).for_each(|(out, &v)| *out = join(*out, v));
@@ -147,10 +151,9 @@ mod tests {
             b'o' => -15.0,
             _ => 0.0,
         };
-        let above = rows.concat().bytes().map(above).collect();
-        let foreground = Foreground { above, offset: 12.0 };
-        let mut mask: Vec<u8> = foreground.above.iter().map(|&v| u8::from(v > 12.0)).collect();
-        fill_dark_holes(&mut mask, width, &foreground, 12);
+        let above: Vec<f32> = rows.concat().bytes().map(above).collect();
+        let mut mask: Vec<u8> = above.iter().map(|&v| u8::from(v > 12.0)).collect();
+        fill_dark_holes(&mut mask, width, &above, 12.0, 12);
         let letters: Vec<u8> = mask.iter().map(|&v| if v == 1 { b'#' } else { b'.' }).collect();
         letters.chunks(width).map(|row| String::from_utf8(row.to_vec()).unwrap()).collect()
     }

@@ -2,28 +2,44 @@
 //!
 //! Pixels as everywhere: x right, y down, the origin at the centre of the top-left one. Angles turn x towards y.
 
-mod background;
+mod blocks;
 mod components;
+mod distance_map;
 mod foreground;
+mod ground;
 mod holes;
+mod lines;
 mod options;
 mod region;
+mod shadows;
+mod touching;
 
-use components::{Run, Touching, components};
+use components::{Run, Touching, area_px, by_component, components, kept};
+pub use foreground::Noise;
 use foreground::{Foreground, otsu_level};
-use holes::fill_dark_holes;
+use holes::over_square;
+use lines::without_lines;
 use options::MAX_WINDOW_PX;
 pub use options::{MAX_OBJECTS, Polarity, SegmentationOptions, Threshold};
 use region::Sums;
-pub use region::{BoundingBox, Region};
+pub use region::{BoundingBox, Piece, Region};
+pub use shadows::Shadows;
+use touching::{Reading, reading};
 
+use std::cmp::Reverse;
 use std::ops::Range;
 
-use crate::imaging::Image;
+use crate::imaging::{Frame, Image};
 
-/// A region's least area is this part of the picture, if it is chosen, and at least so many pixels.
+/// With one level for the picture the noise isn't known: a region's least area is this part of the picture, if it is
+/// chosen, and at least so many pixels.
 const SMALLEST_PART: usize = 500;
 const SMALLEST_PX: usize = 16;
+/// A region differs from the ground by so many offsets in the mean: what hardly reaches the offset anywhere is texture.
+const LEAST_EXCESS: f32 = 1.3;
+/// A fragment has less than this part of the area of what it lies beside, with twice so many pixels between them at most.
+const FRAGMENT_PART: f64 = 0.05;
+const FRAGMENT_REACH_PX: usize = 3;
 /// The brightest gray level.
 const WHITE: f32 = 255.0;
 
@@ -32,7 +48,6 @@ const WHITE: f32 = 255.0;
 pub struct Segmentation {
     width: usize,
     height: usize,
-    polarity: Polarity,
     labels: Vec<u16>,
     /// Region by region.
     runs: Vec<Run>,
@@ -42,6 +57,51 @@ pub struct Segmentation {
     pub regions: Vec<Region>,
     /// Regions of at least the least area, also those beyond the most objects.
     pub found: usize,
+    /// What was left out of the regions.
+    pub left_out: LeftOut,
+    /// Of the ground; `None` if one level divides the picture.
+    pub noise: Option<Noise>,
+}
+
+/// What differs from the ground and is no region.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// The least area of a region, given or chosen.
+    pub least_area_px: usize,
+    /// Components below the least area.
+    pub small: usize,
+    /// The areas of the largest of them, descending, at most [`LeftOut::MOST_AREAS`].
+    pub small_areas_px: Vec<usize>,
+    /// Lines that lead out of the picture on both sides.
+    pub lines: usize,
+    /// Shadows.
+    pub shadows: Shadows,
+}
+
+impl LeftOut {
+    /// The most areas that are listed.
+    pub const MOST_AREAS: usize = 20;
+}
+
+/// The planes of a picture: luminance, and colour if it has any.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Gray levels.
+    pub luminance: &'a Image,
+    /// Red, green and blue.
+    pub rgb: Option<&'a [Image; 3]>,
+}
+
+impl<'a> From<&'a Image> for Picture<'a> {
+    fn from(luminance: &'a Image) -> Self {
+        Picture { luminance, rgb: None }
+    }
+}
+
+impl<'a> From<&'a Frame> for Picture<'a> {
+    fn from(frame: &'a Frame) -> Self {
+        Picture { luminance: &frame.luminance, rgb: frame.rgb.as_ref() }
+    }
 }
 
 impl Segmentation {
@@ -53,11 +113,6 @@ impl Segmentation {
     /// Height of the picture in pixels.
     pub fn height(&self) -> usize {
         self.height
-    }
-
-    /// Whether the regions are light or dark.
-    pub fn polarity(&self) -> Polarity {
-        self.polarity
     }
 
     /// Id of the region of each pixel, row-major; 0 is background.
@@ -89,80 +144,209 @@ impl Segmentation {
     }
 }
 
-/// The regions of a picture's luminance, with options that have no faults.
-pub fn segmented(luminance: &Image, options: &SegmentationOptions) -> Segmentation {
-    let (width, height) = (luminance.width(), luminance.height());
-    let smallest_px =
-        options.min_area_px.unwrap_or_else(|| (width * height / SMALLEST_PART).max(SMALLEST_PX));
-    let mask = mask(luminance, options, smallest_px); // B§3, threshold
-    let (mut runs, count) = components(&mask, width, Touching::Corners); // B§3, labelling
-    let (ids, found) = ids_by_area(&runs, count, smallest_px, options.max_objects);
-    let id = |run: &Run| usize::from(ids[run.component()]);
-    runs.retain(|run| id(run) != 0);
-    runs.sort_by_key(id);
-    let mut labels = vec![0; width * height];
-    let (mut ends, mut regions) = (Vec::new(), Vec::new());
-    for runs in runs.chunk_by(|a, b| a.component() == b.component()) {
-        let mut sums = Sums::NONE;
-        for run in runs {
-            sums.add(run);
-            labels[run.row() * width..][run.columns()].fill(ids[run.component()]);
-        }
-        ends.push(ends.last().copied().unwrap_or(0) + runs.len());
-        regions.push(sums.region(ends.len(), width, height)); // B§3, centroid
-    }
-    Segmentation { width, height, polarity: options.polarity, labels, runs, ends, regions, found }
+/// The regions of a picture, with options that have no faults.
+pub fn segmented<'a>(picture: impl Into<Picture<'a>>, options: &SegmentationOptions) -> Segmentation {
+    regions(picture.into(), options, options.threshold == Threshold::Adaptive)
 }
 
-/// The id of each component, from 1 for the largest on; 0 for those too small and those beyond `most`. And how many are
-/// large enough.
-fn ids_by_area(runs: &[Run], count: usize, smallest_px: usize, most: usize) -> (Vec<u16>, usize) {
-    let mut areas = vec![0_u32; count];
-    runs.iter().for_each(|run| areas[run.component()] += run.columns().len() as u32);
-    let mut largest: Vec<usize> = (0..count).filter(|&c| areas[c] as usize >= smallest_px).collect();
-    largest.sort_by_key(|&component| std::cmp::Reverse(areas[component])); // stable
-    let mut ids = vec![0_u16; count];
-    for (component, id) in largest.iter().take(most).zip(1..) {
-        ids[*component] = id;
-    }
-    (ids, largest.len())
-}
-
-/// The regions of a picture that an object may fill most of: unless a window is given, the background is estimated in
-/// squares of the picture's shorter side.
-pub fn segmented_from_near(luminance: &Image, options: &SegmentationOptions) -> Segmentation {
-    let shorter_px = luminance.width().min(luminance.height()).clamp(3, MAX_WINDOW_PX);
-    segmented(
-        luminance,
-        &SegmentationOptions { window_px: options.window_px.or(Some(shorter_px)), ..options.clone() },
-    )
-}
-
-/// 1 in the foreground, else 0.
-fn mask(luminance: &Image, options: &SegmentationOptions, smallest_px: usize) -> Vec<u8> {
-    let width = luminance.width();
-    let negative: Vec<f32>;
-    let levels = match options.polarity {
-        Polarity::LightOnDark => luminance.pixels(),
-        Polarity::DarkOnLight => {
-            negative = luminance.pixels().iter().map(|v| WHITE - v).collect();
-            &negative
-        }
+/// The regions of a picture; those of a `table` without lines, and divided where several parts touch.
+fn regions(picture: Picture, options: &SegmentationOptions, table: bool) -> Segmentation {
+    let (width, height) = (picture.luminance.width(), picture.luminance.height());
+    let Told { components, above, shadows, noise } = told(picture, options); // B§3, threshold and labelling
+    let of_noise = noise.map(|noise| noise.least_area_px);
+    let least_area_px =
+        options.min_area_px.or(of_noise).unwrap_or((width * height / SMALLEST_PART).max(SMALLEST_PX));
+    let mut left_out = LeftOut { least_area_px, shadows, ..LeftOut::default() };
+    let mut parts = parts(components, (width, height), table, &mut left_out);
+    let found = parts.len();
+    parts.sort_by_key(|part| Reverse(area_px(&part.runs))); // stable
+    parts.truncate(options.max_objects);
+    let mut segmentation = Segmentation {
+        width,
+        height,
+        labels: vec![0; width * height],
+        runs: Vec::new(),
+        ends: Vec::new(),
+        regions: Vec::new(),
+        found,
+        left_out,
+        noise,
     };
-    let beyond = |level: f32| levels.iter().map(|&v| u8::from(v > level)).collect();
-    match (options.threshold, options.polarity) {
-        (Threshold::Adaptive, _) => {
-            let foreground = Foreground::of(levels, width, options);
-            let stands_out = foreground.above.iter().map(|&v| u8::from(v > foreground.offset));
-            let mut mask: Vec<u8> = stands_out.collect();
-            // Against one level for the whole picture a shaded table would be dark, too.
-            fill_dark_holes(&mut mask, width, &foreground, smallest_px);
-            mask
+    parts.into_iter().for_each(|part| segmentation.add(part, &above));
+    segmentation
+}
+
+/// The runs of a region.
+struct Part {
+    runs: Vec<Run>,
+    /// If it may be several: their runs.
+    pieces: Vec<Vec<Run>>,
+}
+
+/// The components that are parts: large enough, and on a `table` without lines, and divided where several touch.
+fn parts(
+    components: Vec<Vec<Run>>,
+    (width, height): (usize, usize),
+    table: bool,
+    left_out: &mut LeftOut,
+) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let (large, small): (Vec<_>, Vec<_>) =
+        components.into_iter().partition(|runs| area_px(runs) >= left_out.least_area_px);
+    for component in large {
+        if !table {
+            parts.push(Part { runs: component, pieces: vec![] });
+            continue;
         }
-        (Threshold::Otsu, _) => beyond(otsu_level(levels)),
-        (Threshold::Fixed(level), Polarity::LightOnDark) => beyond(level as f32),
-        (Threshold::Fixed(level), Polarity::DarkOnLight) => beyond(WHITE - level as f32),
+        let rest = without_lines(&component, width, height);
+        left_out.lines += usize::from(rest.is_some());
+        for runs in rest.unwrap_or_else(|| vec![component]) {
+            if area_px(&runs) < left_out.least_area_px {
+                continue;
+            }
+            match reading(&runs) {
+                Reading::One => parts.push(Part { runs, pieces: vec![] }),
+                Reading::Unclear(pieces) => parts.push(Part { runs, pieces }),
+                Reading::Several(pieces) => {
+                    parts.extend(pieces.into_iter().map(|runs| Part { runs, pieces: vec![] }));
+                }
+            }
+        }
     }
+    left_out.small = small.len();
+    left_out.small_areas_px = small.iter().map(|runs| area_px(runs)).collect();
+    left_out.small_areas_px.sort_unstable_by_key(|&area| Reverse(area));
+    left_out.small_areas_px.truncate(LeftOut::MOST_AREAS);
+    parts
+}
+
+impl Segmentation {
+    /// Add a region. `above` is by how much each pixel is above its ground.
+    fn add(&mut self, part: Part, above: &[f32]) {
+        let id = self.regions.len() + 1;
+        for run in &part.runs {
+            self.labels[run.row() * self.width..][run.columns()].fill(id as u16);
+        }
+        self.ends.push(self.runs.len() + part.runs.len());
+        let above =
+            part.runs.iter().map(|run| above[run.row() * self.width..][run.columns()].iter().sum::<f32>());
+        self.regions.push(Region {
+            is_darker: above.sum::<f32>() < 0.0,
+            pieces: part.pieces.iter().map(|runs| Sums::of(runs).piece()).collect(),
+            ..Sums::of(&part.runs).region(id, self.width, self.height) // B§3, centroid
+        });
+        self.runs.extend(part.runs);
+    }
+}
+
+/// The regions of a picture that one object may fill most of: unless a window is given, the background is estimated in
+/// squares of the picture's shorter side; nothing is taken for a line or for several parts.
+pub fn segmented_from_near<'a>(
+    picture: impl Into<Picture<'a>>,
+    options: &SegmentationOptions,
+) -> Segmentation {
+    let picture = picture.into();
+    let shorter_px = picture.luminance.width().min(picture.luminance.height()).clamp(3, MAX_WINDOW_PX);
+    let options =
+        SegmentationOptions { window_px: options.window_px.or(Some(shorter_px)), ..options.clone() };
+    regions(picture, &options, false)
+}
+
+/// What is told from the background.
+struct Told {
+    components: Vec<Vec<Run>>,
+    /// By how much each pixel is above its background.
+    above: Vec<f32>,
+    shadows: Shadows,
+    noise: Option<Noise>,
+}
+
+fn told(picture: Picture, options: &SegmentationOptions) -> Told {
+    let width = picture.luminance.width();
+    if options.threshold != Threshold::Adaptive {
+        let (mask, above) = divided(picture.luminance, options);
+        let (runs, count) = components(&mask, width, Touching::Corners);
+        let components = by_component(runs.into_iter(), count);
+        return Told { components, above, shadows: Shadows::default(), noise: None };
+    }
+    let Foreground { mask, core, excess, above, shadows, noise } = Foreground::of(picture, options);
+    let (runs, count) = components(&mask, width, Touching::Corners);
+    let mut sums = vec![(0.0, 0); count];
+    for run in &runs {
+        let (sum, pixels) = &mut sums[run.component()];
+        *sum += excess[run.row() * width..][run.columns()].iter().sum::<f32>();
+        *pixels += run.columns().len();
+    }
+    let is_clear = |run: &Run| {
+        let (sum, pixels) = sums[run.component()];
+        sum > LEAST_EXCESS * pixels as f32
+    };
+    let runs = kept(&runs, &core, width);
+    let mut components = by_component(runs.into_iter().filter(is_clear), count);
+    join_fragments(&mut components, &mask, width, noise.least_area_px);
+    Told { components, above, shadows, noise: Some(noise) }
+}
+
+/// Join fragments to the part that they lie beside: a dark place between them was taken for ground. Components below
+/// `least_px` are specks.
+fn join_fragments(components: &mut Vec<Vec<Run>>, mask: &[u8], width: usize, least_px: usize) {
+    let most = components.iter().map(|runs| area_px(runs)).max().unwrap_or(0);
+    let is_fragment = |area: usize, of: usize| area >= least_px && (area as f64) < FRAGMENT_PART * of as f64;
+    if !components.iter().any(|runs| is_fragment(area_px(runs), most)) {
+        return;
+    }
+    let near = over_square(mask, width, FRAGMENT_REACH_PX, |a, b| a | b);
+    let (runs, count) = self::components::components(&near, width, Touching::Corners);
+    let mut neighbourhoods = vec![u32::MAX; mask.len()];
+    for run in &runs {
+        neighbourhoods[run.row() * width..][run.columns()].fill(run.component() as u32);
+    }
+    let neighbourhood =
+        |runs: &[Run]| neighbourhoods[runs[0].row() * width + runs[0].columns().start] as usize;
+    let mut largest: Vec<Option<usize>> = vec![None; count];
+    for (k, runs) in components.iter().enumerate() {
+        let largest = &mut largest[neighbourhood(runs)];
+        if largest.is_none_or(|other| area_px(&components[other]) < area_px(runs)) {
+            *largest = Some(k);
+        }
+    }
+    for k in 0..components.len() {
+        let Some(to) = largest[neighbourhood(&components[k])].filter(|to| *to != k) else { continue };
+        if is_fragment(area_px(&components[k]), area_px(&components[to])) {
+            let fragment = std::mem::take(&mut components[k]);
+            components[to].extend(fragment);
+            components[to].sort_by_key(|run| (run.row(), run.columns().start));
+        }
+    }
+    components.retain(|runs| !runs.is_empty());
+}
+
+/// A picture divided by one level: 1 in the foreground, else 0; and by how much each pixel is above the level.
+fn divided(luminance: &Image, options: &SegmentationOptions) -> (Vec<u8>, Vec<f32>) {
+    let levels = luminance.pixels();
+    let (level, is_dark) = match (options.threshold, options.polarity) {
+        (Threshold::Fixed(level), Polarity::DarkOnLight) => (level as f32, true),
+        (Threshold::Fixed(level), Polarity::LightOnDark) => (level as f32, false),
+        (Threshold::Fixed(level), Polarity::Either) => {
+            (level as f32, luminance.border_median() > level as f32)
+        }
+        (_, Polarity::LightOnDark) => (otsu_level(levels), false),
+        (_, Polarity::DarkOnLight) => (otsu_level_of_negative(levels), true),
+        (_, Polarity::Either) => match otsu_level(levels) {
+            // What most of the border shows is ground.
+            level if luminance.border_median() > level => (otsu_level_of_negative(levels), true),
+            level => (level, false),
+        },
+    };
+    let is_part = |v: f32| if is_dark { v < level } else { v > level };
+    let mask = levels.iter().map(|&v| u8::from(is_part(v))).collect();
+    (mask, levels.iter().map(|v| v - level).collect())
+}
+
+/// Of dark objects: "at least" is background.
+fn otsu_level_of_negative(levels: &[f32]) -> f32 {
+    let negative: Vec<f32> = levels.iter().map(|v| WHITE - v).collect();
+    WHITE - otsu_level(&negative)
 }
 
 #[cfg(test)]
@@ -243,7 +427,8 @@ mod tests {
         let light = table(&[&a, &b]);
         let dark = Image::new(200, 150, light.pixels().iter().map(|v| 255.0 - v).collect());
         for threshold in [Threshold::Adaptive, Threshold::Otsu, Threshold::Fixed(60.0)] {
-            let options = SegmentationOptions { threshold, ..SegmentationOptions::default() };
+            let polarity = Polarity::LightOnDark;
+            let options = SegmentationOptions { threshold, polarity, ..SegmentationOptions::default() };
             let inverse = match threshold {
                 Threshold::Fixed(level) => Threshold::Fixed(255.0 - level),
                 other => other,
@@ -255,9 +440,11 @@ mod tests {
             };
             let (seen, other) = (segmented(&light, &options), segmented(&dark, &other_way));
             assert_eq!(seen.regions.len(), 2, "{threshold:?}");
-            assert_eq!(seen.polarity(), Polarity::LightOnDark);
-            assert_eq!(other.polarity(), Polarity::DarkOnLight);
-            assert_eq!((seen.regions, seen.labels), (other.regions, other.labels), "{threshold:?}");
+            let lighter: Vec<Region> = (other.regions.iter().cloned())
+                .map(|region| Region { is_darker: !region.is_darker, ..region })
+                .collect();
+            assert!(seen.regions.iter().all(|region| !region.is_darker), "{threshold:?}");
+            assert_eq!((seen.regions, seen.labels), (lighter, other.labels), "{threshold:?}");
         }
     }
 

@@ -16,6 +16,8 @@ pub enum Threshold {
 /// What objects look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Polarity {
+    /// Objects are lighter than the background, darker, or of another colour.
+    Either,
     /// Objects are lighter than the background.
     LightOnDark,
     /// Objects are darker than the background.
@@ -30,12 +32,13 @@ pub struct SegmentationOptions {
     /// Adaptive only: side of the square that the background is estimated in, 3..=4095 px; `None`: a third of the
     /// picture's shorter side, or all of it where one object fills the picture.
     pub window_px: Option<usize>,
-    /// Adaptive only: least difference of a pixel from the background, 0..=255 gray levels; `None`: four standard
-    /// deviations of the background, 10 at least and 60 at most.
+    /// Adaptive only: least difference of a pixel from the background, 0..=255 gray levels; `None`: 3.5 standard deviations of
+    /// the background, a twenty-fifth of the picture's range at least.
     pub offset: Option<f64>,
-    /// Whether objects are light or dark.
+    /// Whether objects are light or dark. Colour counts with [`Polarity::Either`] alone.
     pub polarity: Polarity,
-    /// Smaller regions are specks, from 1; `None`: a 500th of the picture, at least 16.
+    /// Smaller regions are specks, from 1; `None`: what noise hardly reaches, 12 at least; with one level a
+    /// 500th of the picture, at least 16.
     pub min_area_px: Option<usize>,
     /// Most regions in the result, the largest, 1..=1000.
     pub max_objects: usize,
@@ -78,7 +81,7 @@ impl Default for SegmentationOptions {
             threshold: Threshold::Adaptive,
             window_px: None,
             offset: None,
-            polarity: Polarity::LightOnDark,
+            polarity: Polarity::Either,
             min_area_px: None,
             max_objects: 100,
         }

@@ -24,6 +24,19 @@ pub struct Region {
     pub elongation: f64,
     /// Whether it reaches the picture's border, so that a part of it may be outside.
     pub touches_border: bool,
+    /// Whether it is darker than the ground in the mean.
+    pub is_darker: bool,
+    /// If its shape doesn't say whether it is one part or several that touch: those.
+    pub pieces: Vec<Piece>,
+}
+
+/// What may be a part of its own within a region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Its pixels.
+    pub area_px: usize,
+    /// The mean of its pixels, x and y.
+    pub centroid_px: [f64; 2],
 }
 
 /// The smallest upright rectangle around a region, in whole pixels.
@@ -54,7 +67,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub const NONE: Sums = Sums {
+    const NONE: Sums = Sums {
         area: 0.0,
         x: 0.0,
         y: 0.0,
@@ -67,7 +80,17 @@ impl Sums {
         bottom: 0,
     };
 
-    pub fn add(&mut self, run: &Run) {
+    pub fn of(runs: &[Run]) -> Sums {
+        let mut sums = Sums::NONE;
+        runs.iter().for_each(|run| sums.add(run));
+        sums
+    }
+
+    pub fn piece(&self) -> Piece {
+        Piece { area_px: self.area as usize, centroid_px: [self.x / self.area, self.y / self.area] }
+    }
+
+    fn add(&mut self, run: &Run) {
         let Range { start, end } = run.columns();
         let (length, y) = ((end - start) as f64, run.row() as f64);
         let middle = (start + end - 1) as f64 / 2.0;
@@ -85,8 +108,13 @@ impl Sums {
         self.bottom = self.bottom.max(run.row() + 1);
     }
 
-    /// The region of these sums in a picture of `width` × `height` pixels.
-    pub fn region(&self, id: usize, width: usize, height: usize) -> Region {
+    /// Length by breadth, by the principal second moments.
+    pub fn elongation(&self) -> f64 {
+        self.principal_axis().1
+    }
+
+    /// Direction of the principal axis in (−90, 90], and the elongation along it.
+    fn principal_axis(&self) -> (f64, f64) {
         let [x, y] = [self.x / self.area, self.y / self.area];
         // A pixel is a square of second moment 1/12, not a point.
         let along_x = self.xx / self.area - x * x + 1.0 / 12.0;
@@ -94,11 +122,16 @@ impl Sums {
         let across = self.xy / self.area - x * y;
         let (mean, apart) = ((along_x + along_y) / 2.0, ((along_x - along_y) / 2.0).hypot(across));
         let elongation = ((mean + apart) / (mean - apart).max(f64::MIN_POSITIVE)).sqrt();
-        let angle_deg = 0.5 * (2.0 * across).atan2(along_x - along_y).to_degrees();
+        (0.5 * (2.0 * across).atan2(along_x - along_y).to_degrees(), elongation)
+    }
+
+    /// The region of these sums in a picture of `width` × `height` pixels: lighter than the ground, and one part.
+    pub fn region(&self, id: usize, width: usize, height: usize) -> Region {
+        let (angle_deg, elongation) = self.principal_axis();
         Region {
             id,
             area_px: self.area as usize,
-            centroid_px: [x, y],
+            centroid_px: [self.x / self.area, self.y / self.area],
             bbox_px: BoundingBox {
                 x: self.left,
                 y: self.top,
@@ -112,6 +145,8 @@ impl Sums {
             }),
             elongation,
             touches_border: self.left == 0 || self.top == 0 || self.right == width || self.bottom == height,
+            is_darker: false,
+            pieces: vec![],
         }
     }
 }
