@@ -2,10 +2,15 @@
 //! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What the first run with them
 //! showed has changed two things since: when a window goes on widening, and the noise area of `stm`.
 
+use std::path::Path;
+
 use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture, bench_optics};
 use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Estimator, Method, Optics, Sweep, Warning};
+use landmarkd_core::imaging::{DecodeLimits, Image, decode};
 
 const SEEDS: [u64; 3] = [201, 202, 203];
+/// Scenes whose surfaces hide each other take long to render.
+const STEP_SEED: u64 = 201;
 const BORDER_PX: usize = 16;
 /// How far from a step a pixel counts as away from it.
 const STEP_PX: f64 = 8.0;
@@ -34,6 +39,8 @@ struct Figures {
     away: f64,
     /// Squares of the error over its predicted deviation.
     ratios: f64,
+    /// Off by more than three predicted deviations.
+    beyond: f64,
 }
 
 impl Figures {
@@ -70,7 +77,9 @@ impl Figures {
                     self.away += 1.0;
                     self.squares_away += error * error;
                 }
-                self.ratios += (error_mm / f64::from(map.sigma_mm()[at])).powi(2);
+                let ratio = error_mm / f64::from(map.sigma_mm()[at]);
+                self.ratios += ratio * ratio;
+                self.beyond += f64::from(ratio.abs() > 3.0);
             }
         }
     }
@@ -99,13 +108,18 @@ impl Figures {
         (self.ratios / self.known).sqrt()
     }
 
+    fn beyond(&self) -> f64 {
+        100.0 * self.beyond / self.known
+    }
+
     fn say(&self, what: &str) {
         println!(
-            "{what}: RMS {:.2} % of range, bias {:+.2} %, coverage {:.2} %, error/sigma {:.2}",
+            "{what}: RMS {:.2} % of range, bias {:+.2} %, coverage {:.2} %, error/sigma {:.2}, {:.2} % beyond 3 sigma",
             self.rms(),
             self.bias(),
             self.coverage(),
-            self.ratio()
+            self.ratio(),
+            self.beyond()
         );
     }
 }
@@ -170,18 +184,159 @@ fn noise_low_contrast_gain_shift_and_glints_cost_little() {
     }
 }
 
+/// One scene, photographed once.
+fn seen_once(camera: &Camera, relief: Relief, texture: Texture) -> Figures {
+    let mut figures = Figures::default();
+    let seen = camera.photograph(&Scene::new(relief, texture, STEP_SEED));
+    let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
+    figures.add(&seen, &map, camera.optics.range_mm());
+    figures
+}
+
 #[test]
-fn steps_are_sharp_and_what_is_away_from_them_unharmed() {
-    for (relief, most_off) in [(Relief::Staircase, 9.0), (Relief::Sphere, 7.0)] {
-        let figures = Figures::of(&camera(), &Scene::new(relief, Texture::Gravel, 0));
-        figures.say(&format!("{relief:?}"));
+fn expected_errors_are_true_on_curved_reliefs_and_near_steps() {
+    // Least coverage: what lies within the blur and the narrowest window of a step has no depth.
+    let cases = [
+        (Relief::Waves, Texture::Gravel, 95.0, 1.0),
+        (Relief::Staircase, Texture::Gravel, 45.0, 1.2),
+        (Relief::Step { near: 0.25, far: 0.75 }, Texture::Noise, 75.0, 0.8),
+        (Relief::Step { near: 0.45, far: 0.55 }, Texture::Gravel, 90.0, 0.8),
+        (Relief::Strips, Texture::Gravel, 10.0, 0.8),
+        (Relief::Sphere, Texture::Gravel, 50.0, 0.8),
+    ];
+    for (relief, texture, least_coverage, most_rms) in cases {
+        let figures = seen_once(&camera(), relief, texture);
+        figures.say(&format!("{relief:?}, {texture:?}"));
         println!(
             "   {:.2} % off by more than 5 %, RMS away from steps {:.2} %",
             figures.off(),
             figures.rms_away()
         );
-        assert!(figures.off() <= most_off && figures.rms_away() <= 0.8);
+        assert!(figures.beyond() <= 3.0 && figures.rms() <= most_rms && figures.coverage() >= least_coverage);
+        assert!(figures.off() <= 1.0 && figures.rms_away() <= 0.8);
     }
+}
+
+/// A photograph with its disparities, under `LANDMARKD_DATA`: near where they are great.
+struct StereoScene {
+    picture: &'static str,
+    disparities: &'static str,
+    /// Where the disparities are known, if a file says so.
+    known: Option<&'static str>,
+}
+
+impl StereoScene {
+    /// The middle of the photograph at depths from 5 to 95 % of the working range, as the camera sees it.
+    fn photographed(&self, camera: &Camera, data: &Path) -> Rendered {
+        let read = |name: &str| {
+            let bytes = std::fs::read(data.join("rgb-depth").join(name)).unwrap();
+            decode(&bytes, &DecodeLimits::default()).unwrap().luminance
+        };
+        let (picture, mut disparities) = (read(self.picture), read(self.disparities));
+        if let Some(known) = self.known.map(read) {
+            let marked = disparities.pixels_mut().iter_mut().zip(known.pixels());
+            marked.filter(|(_, known)| **known < 128.0).for_each(|(disparity, _)| *disparity = 0.0);
+        }
+        // What is hidden in one of the two photographs lies behind what is beside it.
+        let width = disparities.width();
+        for row in disparities.pixels_mut().chunks_exact_mut(width) {
+            let known = row.to_vec();
+            for (x, disparity) in row.iter_mut().enumerate().filter(|(_, disparity)| **disparity <= 0.0) {
+                let before = known[..x].iter().rev().find(|&&other| other > 0.0);
+                let after = known[x..].iter().find(|&&other| other > 0.0);
+                *disparity = [before, after].into_iter().flatten().copied().reduce(f32::min).unwrap_or(1.0);
+            }
+        }
+        let [columns, rows] =
+            [(picture.width(), 384), (picture.height(), 288)].map(|(all, most)| most.min(all - 36));
+        let middle = |image: &Image| {
+            image.cropped((image.width() - columns) / 2, (image.height() - rows) / 2, columns, rows)
+        };
+        let (picture, disparities) = (middle(&picture), middle(&disparities));
+        let mut sorted = disparities.pixels().to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let [least, most] = [1, 99].map(|percent| sorted[sorted.len() * percent / 100]);
+        let depth_mm = disparities.pixels().iter().map(|disparity| {
+            let nearness = f64::from(((disparity - least) / (most - least)).clamp(0.0, 1.0));
+            camera.optics.near_focus_mm() + camera.optics.range_mm() * (0.95 - 0.9 * nearness)
+        });
+        Camera { width: columns, height: rows, ..*camera }.photograph_map(
+            &picture,
+            depth_mm.collect(),
+            STEP_SEED,
+        )
+    }
+}
+
+#[test]
+#[ignore = "needs the photographs with depth under LANDMARKD_DATA, and minutes to render them"]
+fn expected_errors_are_true_of_photographed_scenes() {
+    let data = std::env::var_os("LANDMARKD_DATA").expect("LANDMARKD_DATA names the folder of shared data");
+    let scene = |picture, disparities, known| StereoScene { picture, disparities, known };
+    let scenes = [
+        scene("cones/im2.png", "cones/disp2.png", None),
+        scene("tsukuba/left.png", "tsukuba/groundtruth.png", None),
+        scene("motorcycle/motorcycle_left.png", "motorcycle/disparity_x256.png", None),
+        scene(
+            "adirondack/Adirondack_left.png",
+            "adirondack/Adirondack_gt.png",
+            Some("adirondack/Adirondack_mask.png"),
+        ),
+    ];
+    for scene in scenes {
+        let seen = scene.photographed(&camera(), Path::new(&data));
+        let map = measured(&seen, &Calibration::of(camera().optics), Method::Gram);
+        let mut figures = Figures::default();
+        figures.add(&seen, &map, camera().optics.range_mm());
+        figures.say(scene.picture);
+        assert!(figures.beyond() <= 3.0 && figures.coverage() >= 1.0);
+    }
+}
+
+#[test]
+fn what_differs_between_the_pictures_is_mended_and_named() {
+    let gravel = Scene::new(Relief::Slant, Texture::Gravel, SEEDS[0]);
+    let noise = Scene { texture: Texture::Noise, ..gravel };
+    let everything = Camera { far_zoom: 1.01, far_turn_deg: 0.3, far_shift_px: [1.5, -1.0], ..camera() };
+    use Warning::*;
+    let cases: [(&str, Camera, Scene, f64, &[Warning]); 6] = [
+        ("zoom 1.01", Camera { far_zoom: 1.01, ..camera() }, gravel, 0.5, &[Scaled]),
+        ("turned by 0.5°", Camera { far_turn_deg: 0.5, ..camera() }, gravel, 0.5, &[Rotated]),
+        ("zoom, turn and shift", everything, gravel, 0.5, &[Shifted, Scaled, Rotated]),
+        ("gain 0.7", Camera { far_gain: 0.7, ..camera() }, gravel, 0.6, &[GainOff]),
+        ("dark level of 5", Camera { far_offset: 5.0, ..camera() }, noise, 0.8, &[GainOff, ContrastOff]),
+        ("gamma 0.8", Camera { far_gamma: 0.8, ..camera() }, noise, 0.9, &[GainOff, ContrastOff]),
+    ];
+    for (what, camera, scene, most, warnings) in cases {
+        let seen = camera.photograph(&scene);
+        let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
+        let mut figures = Figures::default();
+        figures.add(&seen, &map, camera.optics.range_mm());
+        figures.say(&format!("{what}: {:?}", map.summary.warnings));
+        assert!(figures.rms() <= most && figures.beyond() <= 3.0 && figures.coverage() >= 98.0, "{what}");
+        assert_eq!(map.summary.warnings, warnings, "{what}");
+    }
+}
+
+#[test]
+fn a_thing_that_moved_is_named_and_has_no_depth() {
+    let camera = Camera { width: 384, height: 320, ..camera() };
+    let scene = Scene::new(Relief::Slant, Texture::Gravel, SEEDS[0]);
+    let mut seen = camera.photograph(&scene);
+    let moved = Camera { far_shift_px: [4.0, 2.0], ..camera }.photograph(&scene);
+    for at in
+        (0..seen.far.len()).filter(|at| (80..140).contains(&(at / 384)) && (250..320).contains(&(at % 384)))
+    {
+        seen.far[at] = moved.far[at];
+    }
+    let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
+    println!("moved: {:?}", map.summary.warnings);
+    assert!(map.summary.warnings.contains(&Warning::Moved));
+    let inside = (90..130).flat_map(|y| (260..310).map(move |x| y * 384 + x));
+    let (known, all) =
+        inside.fold((0, 0), |(known, all), at| (known + i32::from(!map.depth_mm()[at].is_nan()), all + 1));
+    println!("   {:.1} % of the moved part has a depth", 100.0 * f64::from(known) / f64::from(all));
+    assert!(known * 10 < all);
 }
 
 #[test]

@@ -23,6 +23,8 @@ mod otf;
 mod registration;
 mod resampling;
 pub mod scene;
+mod selection;
+mod spread;
 mod stm;
 mod sweep;
 mod windows;
