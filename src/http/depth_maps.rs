@@ -85,8 +85,9 @@ pub struct DepthMapBody {
     /// `ambiguous`.
     #[schema(value_type = BTreeMap<String, u64>)]
     pub flags: BTreeMap<&'static str, u64>,
-    /// Reasons to doubt the whole: `shifted`, `shift_unknown`, `gain_off`, `many_inconsistent`, `low_coverage`,
-    /// `near_far_swapped`, `sweep_failed` (the calibration's newest sweep failed: what was measured before it answers).
+    /// Reasons to doubt the whole. Mended: `shifted`, `scaled`, `rotated`, `gain_off`, `contrast_off`. Not mended:
+    /// `shift_unknown`, `moved`, `misregistered`, `many_inconsistent`, `low_coverage`, `near_far_swapped`, `sweep_failed`
+    /// (the calibration's newest sweep failed: what was measured before it answers).
     pub warnings: Vec<&'static str>,
     pub timings_ms: DepthTimings,
 }

@@ -1,6 +1,7 @@
 //! Paper B, section 4, past the text: what a focal pair says of depth, on rendered scenes of known depth. Every row with
-//! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What the first run with them
-//! showed has changed two things since: when a window goes on widening, and the noise area of `stm`.
+//! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What windows count for was
+//! chosen on seed 11 and the photographed scenes; what a first run with the seeds of this file showed has changed one
+//! thing since: estimates of narrow windows that noise spreads too far don't count.
 
 use std::path::Path;
 
@@ -126,19 +127,20 @@ impl Figures {
 
 #[test]
 fn slants_are_measured_to_half_a_percent_of_the_range_whatever_they_are_made_of() {
-    // Stripes have few frequencies: what the filters leave of them is not what they leave of a 1/f spectrum.
-    for (texture, most, most_ratio) in [
-        (Texture::Gravel, 0.5, 1.5),
-        (Texture::Grass, 0.5, 1.5),
-        (Texture::Noise, 0.5, 1.5),
-        (DOTS, 0.5, 1.5),
-        (STRIPES, 0.8, 2.0),
+    // Stripes have few frequencies: what the filters leave of them is not what they leave of a 1/f spectrum, and between
+    // two of them lies little texture.
+    for (texture, most, least_coverage) in [
+        (Texture::Gravel, 0.5, 99.0),
+        (Texture::Grass, 0.5, 99.0),
+        (Texture::Noise, 0.5, 99.0),
+        (DOTS, 0.5, 99.0),
+        (STRIPES, 0.8, 90.0),
     ] {
         let figures = Figures::of(&camera(), &Scene::new(Relief::Slant, texture, 0));
         figures.say(&format!("slant, {texture:?}"));
-        assert!(figures.rms() <= most && figures.bias().abs() <= 0.4 && figures.coverage() >= 99.0);
+        assert!(figures.rms() <= most && figures.bias().abs() <= 0.4 && figures.coverage() >= least_coverage);
         assert!(
-            (0.7..=most_ratio).contains(&figures.ratio()),
+            (0.6..=1.5).contains(&figures.ratio()) && figures.beyond() <= 3.0,
             "the predicted error is {} off",
             figures.ratio()
         );
@@ -325,14 +327,14 @@ fn a_thing_that_moved_is_named_and_has_no_depth() {
     let mut seen = camera.photograph(&scene);
     let moved = Camera { far_shift_px: [4.0, 2.0], ..camera }.photograph(&scene);
     for at in
-        (0..seen.far.len()).filter(|at| (80..140).contains(&(at / 384)) && (250..320).contains(&(at % 384)))
+        (0..seen.far.len()).filter(|at| (180..290).contains(&(at / 384)) && (250..360).contains(&(at % 384)))
     {
         seen.far[at] = moved.far[at];
     }
     let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
     println!("moved: {:?}", map.summary.warnings);
     assert!(map.summary.warnings.contains(&Warning::Moved));
-    let inside = (90..130).flat_map(|y| (260..310).map(move |x| y * 384 + x));
+    let inside = (190..280).flat_map(|y| (260..350).map(move |x| y * 384 + x));
     let (known, all) =
         inside.fold((0, 0), |(known, all), at| (known + i32::from(!map.depth_mm()[at].is_nan()), all + 1));
     println!("   {:.1} % of the moved part has a depth", 100.0 * f64::from(known) / f64::from(all));

@@ -10,6 +10,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
+pub use advice::optics_advice;
 pub use document::{
     CALIBRATION_DOCUMENT_VERSION, DepthMethodWord, FiltersDocument, ImageDocument, NoiseDocument,
     PhotometricDocument, RegistrationDocument, ResidualDocument, TableDocument, UnreadableCalibration,

@@ -7,13 +7,15 @@ use super::Optics;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Flag {
-    /// Too little texture: an expected error above 2 % of the range, or no more detail than noise.
+    /// Too little texture: an expected error above 2 % of the range, no more detail than noise, or a lone contour, of
+    /// which nothing says to which of its sides its depth belongs.
     LowTexture = 1,
     /// Full scale within 8 px in either picture.
     Saturated = 2,
     /// |β| above 1.05.
     OutOfRange = 4,
-    /// No one depth explains the window: occlusion, motion, misregistration, glint.
+    /// No one depth explains the window, or neighbouring windows' depths differ: a step, occlusion, motion,
+    /// misregistration, glint.
     Inconsistent = 8,
     /// The filters don't fit into the picture here.
     Border = 16,
@@ -57,7 +59,7 @@ pub enum Warning {
     Scaled,
     /// The camera turned by more than 0.25 px in the corners between the pictures; it was turned back.
     Rotated,
-    /// A part of the picture moved by more than 0.5 px between the pictures, against the rest.
+    /// A part of the picture moved by more than 0.3 px between the pictures, against the rest.
     Moved,
     /// No shift, scale and turn brings the pictures' parts together.
     Misregistered,

@@ -100,7 +100,7 @@ const WARN_CONTRAST: f64 = 0.03;
 /// Parts by which scale and turn are asked for begin half of their side after each other.
 const OVERLAPS: usize = 2;
 /// Parts that lie farther off the common map than this have moved, in pixels.
-const MOVED_PX: f64 = 0.5;
+const MOVED_PX: f64 = 0.3;
 /// A map by parts that differs less from the shift in every corner is left, in pixels: it is within its own error.
 const LEAST_FIT_PX: f64 = 0.3;
 /// What a map may leave, in pixels: more is no shift, scale and turn.
@@ -166,6 +166,14 @@ impl Estimator {
             band,
             halvings: self.halvings,
             hash: hash(&numbers),
+        }
+    }
+
+    /// The kernels, if the method has them.
+    pub(super) fn bank(&self) -> Option<&KernelBank> {
+        match &self.method {
+            PreparedMethod::Gram(bank) => Some(bank),
+            PreparedMethod::Stm(_) | PreparedMethod::Laplacian => None,
         }
     }
 
@@ -397,7 +405,7 @@ fn without_offsets(pair: &FocalPair, photometric: Option<Photometric>) -> (Image
 }
 
 /// Standard deviation of white unit noise after so many halvings: the root of the combined kernel's energy.
-fn noise_gain(halvings: u32) -> f64 {
+pub(super) fn noise_gain(halvings: u32) -> f64 {
     let bell: Vec<f64> =
         (-6_i32..=6).map(|k| (-0.5 * (f64::from(k) / f64::from(HALVING_SIGMA_PX)).powi(2)).exp()).collect();
     let sum: f64 = bell.iter().sum();

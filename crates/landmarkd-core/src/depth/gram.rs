@@ -18,7 +18,7 @@ const WINDOWS_PX: [f64; 4] = [2.5, 4.0, 7.0, 12.0];
 /// The same after halving: a window then sees more detail of the original.
 const HALVED_WINDOWS_PX: [f64; 3] = [2.0, 3.0, 5.0];
 /// Area over which the filters make noise alike, in pixels: a window has its area over this independent samples.
-const NOISE_AREA_PX: f64 = 4.5;
+pub(super) const NOISE_AREA_PX: f64 = 4.5;
 /// A window must hold more energy than noise makes, by this many standard deviations.
 const SIGNIFICANCE: f64 = 10.0;
 /// A second minimum within this part of the curve's height is another answer.
@@ -27,7 +27,7 @@ const AMBIGUOUS: f32 = 0.15;
 const SAME_VALLEY: f32 = 3.0;
 /// How much the energy that noise doesn't explain counts as uncertainty of β: the texture's spectrum is not that which the
 /// kernels are made for.
-const LEFT_WEIGHT: f64 = 0.03;
+pub(super) const LEFT_WEIGHT: f64 = 0.022;
 /// What the kernels leave of the texture at the right β, as a part of the curve's second derivative.
 const LEAK: f64 = 0.02;
 

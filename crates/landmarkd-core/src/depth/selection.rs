@@ -22,7 +22,7 @@ pub(super) struct WindowSamples {
 }
 
 /// What textures differ by in β, whatever the window: their spectra aren't 1/f.
-const TEXTURE_SIGMA: f32 = 0.0035;
+pub(super) const TEXTURE_SIGMA: f32 = 0.003;
 /// The middle of a window's texture may lie this many of its standard deviations off the point.
 const MOST_OFF_MIDDLE: f32 = 0.7;
 /// The narrowest window has this part of a wider one's texture at least: else that is elsewhere.

@@ -10,10 +10,12 @@ use super::windows::{Means, Planes};
 
 /// What estimates scatter by, whatever the noise: variance of β.
 const LEAST_VARIANCE: f32 = 0.006 * 0.006;
+/// Samples of a larger standard deviation don't count: what noise makes of them has no Gaussian spread.
+const MOST_SIGMA: f32 = 0.1;
 /// Keeps the plane's slope in bounds where all weight lies on a line, as a part of the window's variance.
 const RIDGE: f64 = 0.025;
 
-/// The planes that are smoothed: known samples, their weights w, wβ and wβ².
+/// The planes that are smoothed: samples that count, their weights w, wβ and wβ².
 const PLANES: usize = 4;
 
 /// Scatter over windows about the points of a grid.
@@ -44,14 +46,15 @@ impl Scatter {
 impl Spread {
     /// Over Gaussian windows of ascending widths, in samples.
     pub(super) fn over(samples: &Samples, widths: &[f64]) -> Vec<Spread> {
-        let weight = |sample: &Sample| match sample.sigma.is_finite() {
+        let counts = |sample: &Sample| sample.sigma < MOST_SIGMA;
+        let weight = |sample: &Sample| match counts(sample) {
             true => 1.0 / (sample.sigma * sample.sigma + LEAST_VARIANCE),
             false => 0.0,
         };
         let plane =
             |value: &dyn Fn(&Sample) -> f32| -> Vec<f32> { samples.points.iter().map(value).collect() };
         let planes: [Vec<f32>; PLANES] = [
-            plane(&|sample| f32::from(sample.sigma.is_finite())),
+            plane(&|sample| f32::from(counts(sample))),
             plane(&weight),
             plane(&|sample| weight(sample) * sample.beta),
             plane(&|sample| weight(sample) * sample.beta * sample.beta),
