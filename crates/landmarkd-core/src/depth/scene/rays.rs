@@ -49,7 +49,8 @@ impl RadiusMap {
         let span = radius_px.pixels().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &r| {
             [least.min(f64::from(r)), most.max(f64::from(r))]
         });
-        RadiusMap { radius_px, least_px: span[0], most_px: span[1] }
+        // A little before the nearest surface and beyond the farthest: rays come to both from outside.
+        RadiusMap { radius_px, least_px: span[0] - 0.01, most_px: span[1] + 0.01 }
     }
 
     /// The radius at a place: between pixels of one surface, else that of the nearest pixel.
@@ -84,7 +85,7 @@ impl RadiusMap {
         for step in 1..=steps as usize {
             let radius = self.least_px + span * step as f64 / steps;
             let there = self.at(at(radius));
-            if there > farthest.0 {
+            if there >= farthest.0 {
                 farthest = (there, at(radius));
             }
             let rest = there - radius;
