@@ -8,6 +8,7 @@ import {DEPTH_WARNINGS, depthMapView} from "./depth_map.js";
 import {nearToFar, quantiles} from "./false_colours.js";
 import {lensOf} from "./optics.js";
 import {opticsFigure} from "./optics_figure.js";
+import {predictionCard} from "./prediction.js";
 import {pointCloud} from "./point_cloud.js";
 import {readNpy} from "./npy.js";
 import {loaded} from "./frame_view.js";
@@ -282,6 +283,7 @@ export async function show(main, parts, signal) {
     h("p", {}, "Two pictures of one scene, one focused near and one far: how blurred each point is in both says how far it is."),
     h("div", {class: "split even"}, near.node, far.node),
     h("section", {class: "card"}, h("h2", {}, "Optics"), h("div", {class: "split even"}, h("div", {}, optics.node, keeping), figure.node)),
+    predictionCard(() => optics.optics(), signal),
     options.node,
     h("div", {class: "row", id: "measure-row"}, measure, swap, hint), fault, result);
   figure.update(optics.optics());

@@ -23,6 +23,14 @@ export const DEPTH_WARNINGS = {
     + "A fixed rig should show less: register it in a calibration.",
   shift_unknown: "The shift between the pictures is unknown: the texture is too regular or too little to fix one. "
     + "Distances are right only if the pictures are in register.",
+  scaled: "The pictures' scales differ by more than 0.25 px in the corners: the lens breathes as it focuses. They were matched; "
+    + "a calibration registers them better.",
+  rotated: "The camera turned by more than 0.25 px in the corners between the pictures, and was turned back: fix it.",
+  moved: "A part of the picture moved between the two pictures: what moved has no distance. Take both at once, or of a still scene.",
+  misregistered: "No shift, scale and turn brings the pictures' parts together: the camera tilted, or much of the scene moved.",
+  contrast_off: "The pictures' contrasts differ by another factor than their brightness, and were matched: one has a dark level or "
+    + "a tone curve that the other has not. Take linear pictures, or calibrate with dark ones.",
+  sweep_failed: "The calibration's newest sweep failed: what was measured before it answers.",
   gain_off: "The pictures' brightness differs by more than 3 %, and was matched: use one exposure for both, "
     + "or calibrate with dark and flat pictures.",
   many_inconsistent: "More than a fifth of the pixels with texture fit no depth: the scene moved between the pictures, "

@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
+use uuid::Uuid;
 
 use super::depth_maps::decoded_pair;
 use super::extract::{Json as JsonIn, Path, Query};
@@ -63,6 +64,11 @@ pub struct CalibrationBody {
     pub largest_blur_px: f64,
     /// What would make it better, for people.
     pub advice: Vec<String>,
+    /// The newest sweep's job, if it failed and nothing was measured since: what is above is from before it. Told of one
+    /// calibration, not in a list.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub failed_sweep: Option<Uuid>,
     pub created_at: Timestamp,
     pub updated_at: Timestamp,
 }
@@ -89,6 +95,7 @@ impl From<Rig> for CalibrationBody {
             optics: (&optics).into(),
             stated_optics: stated.as_ref().map(OpticsBody::from),
             advice,
+            failed_sweep: None,
             created_at: rig.created_at,
             updated_at: rig.updated_at,
         }
@@ -141,7 +148,9 @@ pub async fn get(
     State(service): State<Service>,
     Path(path): Path<CalibrationPath>,
 ) -> Result<Json<CalibrationBody>, Problem> {
-    Ok(Json(service.databases.rig(&path.name).await?.into()))
+    let rig = service.databases.rig(&path.name).await?;
+    let failed_sweep = service.databases.failed_sweep(&rig).await?;
+    Ok(Json(CalibrationBody { failed_sweep, ..rig.into() }))
 }
 
 /// Delete a calibration; its unfinished sweeps are cancelled.

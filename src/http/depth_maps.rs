@@ -85,8 +85,9 @@ pub struct DepthMapBody {
     /// `ambiguous`.
     #[schema(value_type = BTreeMap<String, u64>)]
     pub flags: BTreeMap<&'static str, u64>,
-    /// Reasons to doubt the whole: `shifted`, `shift_unknown`, `gain_off`, `many_inconsistent`, `low_coverage`,
-    /// `near_far_swapped`.
+    /// Reasons to doubt the whole. Mended: `shifted`, `scaled`, `rotated`, `gain_off`, `contrast_off`. Not mended:
+    /// `shift_unknown`, `moved`, `misregistered`, `many_inconsistent`, `low_coverage`, `near_far_swapped`, `sweep_failed`
+    /// (the calibration's newest sweep failed: what was measured before it answers).
     pub warnings: Vec<&'static str>,
     pub timings_ms: DepthTimings,
 }
@@ -317,6 +318,8 @@ pub async fn post(
 struct Asked {
     question: Question,
     calibration: Option<String>,
+    /// Whether a sweep of that calibration has failed since.
+    sweep_failed: bool,
     share: BodyShare,
 }
 
@@ -332,11 +335,12 @@ impl Asked {
         let (Some(near), Some(far), Some(rig), []) = (near, far, rig, parts.faults.as_slice()) else {
             return Err(Problem::fields(parts.faults));
         };
-        let (name, calibration) = match rig {
-            RigPart::Described(calibration) => (None, *calibration),
+        let (name, calibration, sweep_failed) = match rig {
+            RigPart::Described(calibration) => (None, *calibration, false),
             RigPart::Named(name) => {
                 let kept = service.databases.rig(&name).await?;
-                (Some(kept.name), kept.calibration)
+                let sweep_failed = service.databases.failed_sweep(&kept).await?.is_some();
+                (Some(kept.name), kept.calibration, sweep_failed)
             }
         };
         let picture = |bytes: Bytes, name| {
@@ -345,7 +349,7 @@ impl Asked {
         };
         let (near, far) = (picture(near, "near")?, picture(far, "far")?);
         let question = Question { near, far, calibration, options, form };
-        Ok(Self { question, calibration: name, share: parts.share })
+        Ok(Self { question, calibration: name, sweep_failed, share: parts.share })
     }
 }
 
@@ -355,7 +359,7 @@ async fn depth_map(
     robot: FrameHeader,
     request: Request,
 ) -> Result<Response, Problem> {
-    let Asked { question, calibration, share } = Asked::read(service, form, request).await?;
+    let Asked { question, calibration, sweep_failed, share } = Asked::read(service, form, request).await?;
     let memory = question.near.depth_bytes + question.far.depth_bytes;
     let (optics, options) = (question.calibration.optics, question.options);
     let held = service.clone();
@@ -366,8 +370,12 @@ async fn depth_map(
     let (measured, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
     let Measured { summary, size_px: (width_px, height_px), file, clock } = measured?;
     clock.record(&service.metrics, Work::Depth, queue);
+    let mut warnings: Vec<&'static str> = summary.warnings.iter().map(|warning| warning.word()).collect();
+    if sweep_failed {
+        warnings.push("sweep_failed");
+    }
     if let Some(file) = file {
-        return Ok(file.into_response(&summary));
+        return Ok(file.into_response(&summary, &warnings));
     }
     Ok(Json(DepthMapBody {
         header: robot,
@@ -390,7 +398,7 @@ async fn depth_map(
         shift_px: summary.shift_px,
         gain: summary.gain,
         flags: Flag::ALL.iter().map(|flag| flag.word()).zip(summary.flag_counts).collect(),
-        warnings: summary.warnings.iter().map(|warning| warning.word()).collect(),
+        warnings,
         timings_ms: DepthTimings::of(queue, &clock),
     })
     .into_response())
@@ -456,9 +464,8 @@ fn rig(parts: &mut KnownParts) -> Result<Option<RigPart>, Problem> {
 }
 
 impl File {
-    /// The file, with the parts of the summary that qualify it in headers.
-    fn into_response(self, summary: &Summary) -> Response {
-        let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.word()).collect();
+    /// The file, with the parts of the summary that qualify it, and the warnings, in headers.
+    fn into_response(self, summary: &Summary, warnings: &[&str]) -> Response {
         let fields = [
             ("x-near-focus-mm", rounded_mm(summary.near_focus_mm).to_string()),
             ("x-far-focus-mm", rounded_mm(summary.far_focus_mm).to_string()),

@@ -30,6 +30,7 @@ pub(crate) mod options;
 mod pages;
 mod paths;
 mod preconditions;
+mod predictions;
 pub mod problem;
 mod recognitions;
 mod regions;
@@ -146,6 +147,7 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(calibrations::register))
         .routes(routes!(sweeps::post))
         .routes(routes!(depth_maps::post))
+        .routes(routes!(predictions::post))
         .routes(routes!(segmentations::post))
         .routes(routes!(workcells::list))
         .routes(routes!(workcells::put, workcells::get, workcells::delete))

@@ -240,7 +240,19 @@ async fn a_sweep_that_is_not_monotone_fails_its_job_and_leaves_the_rig_as_it_was
         (&json!("failed"), &json!("not_monotone")),
         "{job:#}"
     );
-    assert_eq!(app.get(RIG).await.expect(200)["table"], Value::Null);
+    let rig = app.get(RIG).await.expect(200);
+    assert_eq!((&rig["table"], &rig["failed_sweep"]), (&Value::Null, &job["id"]));
+
+    // What was known before it answers, and says so; a rig that was described anew has no failed sweep.
+    let warned = |answer: &Value| answer["warnings"].as_array().unwrap().contains(&json!("sweep_failed"));
+    let by_rig = [("calibration", json!("rig"))];
+    let answer = depth_map(&app, Relief::Slant, &by_rig).await.expect(200);
+    assert!(warned(&answer), "{answer:#}");
+    let mut other = optics();
+    other["f_number"] = json!(2.7);
+    app.put(RIG, other).await.expect(200);
+    assert!(app.get(RIG).await.expect(200).get("failed_sweep").is_none());
+    assert!(!warned(&depth_map(&app, Relief::Slant, &by_rig).await.expect(200)));
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -304,3 +304,42 @@ async fn colour_is_taken_for_its_luminance() {
     let mixed = [png(&one), flat_png(90)];
     summary(&app, &parts(&mixed, &[("optics", optics())])).await.expect(200);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_optics_is_judged_before_it_is_built() {
+    let app = App::start().await;
+    let predict = |body: Value| {
+        let app = &app;
+        async move { app.post("/v1/optics:predict", body).await }
+    };
+    let answer = predict(json!({"optics": optics()})).await.expect(200);
+    let sigmas = |answer: &Value| -> Vec<Option<f64>> {
+        answer["distances"].as_array().unwrap().iter().map(|each| each["sigma_mm"].as_f64()).collect()
+    };
+    assert_eq!((sigmas(&answer).len(), sigmas(&answer).contains(&None)), (41, false), "{answer:#}");
+    assert_eq!(answer["distances"][0]["distance_mm"], json!(529.0));
+    assert!(answer["working_range_mm"][0].as_f64().unwrap() < 529.0);
+    assert!(answer["advice"].as_array().is_some_and(|lines| !lines.is_empty()));
+
+    let faint = predict(json!({"optics": optics(), "contrast": 8, "noise_sigma": 2})).await.expect(200);
+    assert!(sigmas(&faint)[20].is_none_or(|faint| faint > sigmas(&answer)[20].unwrap()), "{faint:#}");
+
+    // A range that these optics don't reach: the answer says which would.
+    let wide = predict(json!({"optics": optics(), "range_mm": [400, 1200]})).await.expect(200);
+    assert!(sigmas(&wide)[0].is_none() && sigmas(&wide)[40].is_none());
+    assert!(wide["advice"][0].as_str().unwrap().contains("focus the near picture at 400 mm"), "{wide:#}");
+
+    for (body, fields) in [
+        (json!({}), vec!["/optics"]),
+        (json!({"optics": {"focal_length_mm": -1}, "contrast": 500}), vec!["/contrast"]),
+        (
+            json!({"optics": optics(), "range_mm": [900, 600], "noise_sigma": 0}),
+            vec!["/noise_sigma", "/range_mm"],
+        ),
+        (json!({"optics": optics(), "texture": 1}), vec!["/texture"]),
+    ] {
+        let problem = predict(body.clone()).await.expect_problem(422, "invalid_field");
+        let found = pointers(&problem);
+        assert!(fields.iter().all(|field| found.iter().any(|pointer| pointer == field)), "{body}: {found:?}");
+    }
+}

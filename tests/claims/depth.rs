@@ -1,11 +1,17 @@
 //! Paper B, section 4, past the text: what a focal pair says of depth, on rendered scenes of known depth. Every row with
-//! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What the first run with them
-//! showed has changed two things since: when a window goes on widening, and the noise area of `stm`.
+//! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What windows count for was
+//! chosen on seed 11 and the photographed scenes; what a first run with the seeds of this file showed has changed one
+//! thing since: estimates of narrow windows that noise spreads too far don't count.
+
+use std::path::Path;
 
 use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture, bench_optics};
 use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Estimator, Method, Optics, Sweep, Warning};
+use landmarkd_core::imaging::{DecodeLimits, Image, decode};
 
 const SEEDS: [u64; 3] = [201, 202, 203];
+/// Scenes whose surfaces hide each other take long to render.
+const STEP_SEED: u64 = 201;
 const BORDER_PX: usize = 16;
 /// How far from a step a pixel counts as away from it.
 const STEP_PX: f64 = 8.0;
@@ -34,6 +40,8 @@ struct Figures {
     away: f64,
     /// Squares of the error over its predicted deviation.
     ratios: f64,
+    /// Off by more than three predicted deviations.
+    beyond: f64,
 }
 
 impl Figures {
@@ -70,7 +78,9 @@ impl Figures {
                     self.away += 1.0;
                     self.squares_away += error * error;
                 }
-                self.ratios += (error_mm / f64::from(map.sigma_mm()[at])).powi(2);
+                let ratio = error_mm / f64::from(map.sigma_mm()[at]);
+                self.ratios += ratio * ratio;
+                self.beyond += f64::from(ratio.abs() > 3.0);
             }
         }
     }
@@ -99,32 +109,38 @@ impl Figures {
         (self.ratios / self.known).sqrt()
     }
 
+    fn beyond(&self) -> f64 {
+        100.0 * self.beyond / self.known
+    }
+
     fn say(&self, what: &str) {
         println!(
-            "{what}: RMS {:.2} % of range, bias {:+.2} %, coverage {:.2} %, error/sigma {:.2}",
+            "{what}: RMS {:.2} % of range, bias {:+.2} %, coverage {:.2} %, error/sigma {:.2}, {:.2} % beyond 3 sigma",
             self.rms(),
             self.bias(),
             self.coverage(),
-            self.ratio()
+            self.ratio(),
+            self.beyond()
         );
     }
 }
 
 #[test]
 fn slants_are_measured_to_half_a_percent_of_the_range_whatever_they_are_made_of() {
-    // Stripes have few frequencies: what the filters leave of them is not what they leave of a 1/f spectrum.
-    for (texture, most, most_ratio) in [
-        (Texture::Gravel, 0.5, 1.5),
-        (Texture::Grass, 0.5, 1.5),
-        (Texture::Noise, 0.5, 1.5),
-        (DOTS, 0.5, 1.5),
-        (STRIPES, 0.8, 2.0),
+    // Stripes have few frequencies: what the filters leave of them is not what they leave of a 1/f spectrum, and between
+    // two of them lies little texture.
+    for (texture, most, least_coverage) in [
+        (Texture::Gravel, 0.5, 99.0),
+        (Texture::Grass, 0.5, 99.0),
+        (Texture::Noise, 0.5, 99.0),
+        (DOTS, 0.5, 99.0),
+        (STRIPES, 0.8, 90.0),
     ] {
         let figures = Figures::of(&camera(), &Scene::new(Relief::Slant, texture, 0));
         figures.say(&format!("slant, {texture:?}"));
-        assert!(figures.rms() <= most && figures.bias().abs() <= 0.4 && figures.coverage() >= 99.0);
+        assert!(figures.rms() <= most && figures.bias().abs() <= 0.4 && figures.coverage() >= least_coverage);
         assert!(
-            (0.7..=most_ratio).contains(&figures.ratio()),
+            (0.6..=1.5).contains(&figures.ratio()) && figures.beyond() <= 3.0,
             "the predicted error is {} off",
             figures.ratio()
         );
@@ -157,7 +173,7 @@ fn noise_low_contrast_gain_shift_and_glints_cost_little() {
     let cases = [
         ("noise of 4 levels", Camera { noise: 4.0, ..camera() }, gravel, 1.2, 99.0),
         ("contrast of 6 levels, gravel", camera(), faint, 1.6, 95.0),
-        ("contrast of 6 levels, noise", camera(), Scene { texture: Texture::Noise, ..faint }, 1.6, 95.0),
+        ("contrast of 6 levels, noise", camera(), Scene { texture: Texture::Noise, ..faint }, 1.6, 70.0),
         ("far gain 0.9", Camera { far_gain: 0.9, ..camera() }, gravel, 0.85, 99.0),
         ("shift (0.4, −0.7) px", Camera { far_shift_px: [0.4, -0.7], ..camera() }, gravel, 0.9, 99.0),
         ("glints", camera(), Scene { glints: true, ..gravel }, 0.9, 80.0),
@@ -170,18 +186,158 @@ fn noise_low_contrast_gain_shift_and_glints_cost_little() {
     }
 }
 
+/// One scene, photographed once.
+fn seen_once(camera: &Camera, relief: Relief, texture: Texture) -> Figures {
+    let mut figures = Figures::default();
+    let seen = camera.photograph(&Scene::new(relief, texture, STEP_SEED));
+    let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
+    figures.add(&seen, &map, camera.optics.range_mm());
+    figures
+}
+
 #[test]
-fn steps_are_sharp_and_what_is_away_from_them_unharmed() {
-    for (relief, most_off) in [(Relief::Staircase, 9.0), (Relief::Sphere, 7.0)] {
-        let figures = Figures::of(&camera(), &Scene::new(relief, Texture::Gravel, 0));
-        figures.say(&format!("{relief:?}"));
+fn expected_errors_are_true_on_curved_reliefs_and_near_steps() {
+    // Least coverage: what lies within the blur and the narrowest window of a step has no depth.
+    let cases = [
+        (Relief::Waves, Texture::Gravel, 95.0, 1.0),
+        (Relief::Staircase, Texture::Gravel, 45.0, 1.2),
+        (Relief::Step { near: 0.25, far: 0.75 }, Texture::Noise, 75.0, 0.8),
+        (Relief::Step { near: 0.45, far: 0.55 }, Texture::Gravel, 90.0, 0.8),
+        (Relief::Strips, Texture::Gravel, 10.0, 0.8),
+        (Relief::Sphere, Texture::Gravel, 50.0, 0.8),
+    ];
+    for (relief, texture, least_coverage, most_rms) in cases {
+        let figures = seen_once(&camera(), relief, texture);
+        figures.say(&format!("{relief:?}, {texture:?}"));
         println!(
             "   {:.2} % off by more than 5 %, RMS away from steps {:.2} %",
             figures.off(),
             figures.rms_away()
         );
-        assert!(figures.off() <= most_off && figures.rms_away() <= 0.8);
+        assert!(figures.beyond() <= 3.0 && figures.rms() <= most_rms && figures.coverage() >= least_coverage);
+        assert!(figures.off() <= 1.0 && figures.rms_away() <= 0.8);
     }
+}
+
+/// A photograph with its disparities, under `LANDMARKD_DATA`: near where they are great.
+struct StereoScene {
+    picture: &'static str,
+    disparities: &'static str,
+    /// Where the disparities are known, if a file says so.
+    known: Option<&'static str>,
+}
+
+impl StereoScene {
+    /// The middle of the photograph at depths from 5 to 95 % of the working range, as the camera sees it.
+    fn photographed(&self, camera: &Camera, data: &Path) -> Rendered {
+        let read = |name: &str| {
+            let bytes = std::fs::read(data.join("rgb-depth").join(name)).unwrap();
+            decode(&bytes, &DecodeLimits::default()).unwrap().luminance
+        };
+        let (picture, mut disparities) = (read(self.picture), read(self.disparities));
+        if let Some(known) = self.known.map(read) {
+            let marked = disparities.pixels_mut().iter_mut().zip(known.pixels());
+            marked.filter(|(_, known)| **known < 128.0).for_each(|(disparity, _)| *disparity = 0.0);
+        }
+        // What is hidden in one of the two photographs lies behind what is beside it.
+        let width = disparities.width();
+        for row in disparities.pixels_mut().chunks_exact_mut(width) {
+            let known = row.to_vec();
+            for (x, disparity) in row.iter_mut().enumerate().filter(|(_, disparity)| **disparity <= 0.0) {
+                let before = known[..x].iter().rev().find(|&&other| other > 0.0);
+                let after = known[x..].iter().find(|&&other| other > 0.0);
+                *disparity = [before, after].into_iter().flatten().copied().reduce(f32::min).unwrap_or(1.0);
+            }
+        }
+        let [columns, rows] =
+            [(picture.width(), 384), (picture.height(), 288)].map(|(all, most)| most.min(all - 36));
+        let middle = |image: &Image| {
+            image.cropped((image.width() - columns) / 2, (image.height() - rows) / 2, columns, rows)
+        };
+        let (picture, disparities) = (middle(&picture), middle(&disparities));
+        let mut sorted = disparities.pixels().to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let [least, most] = [1, 99].map(|percent| sorted[sorted.len() * percent / 100]);
+        let depth_mm = disparities.pixels().iter().map(|disparity| {
+            let nearness = f64::from(((disparity - least) / (most - least)).clamp(0.0, 1.0));
+            camera.optics.near_focus_mm() + camera.optics.range_mm() * (0.95 - 0.9 * nearness)
+        });
+        Camera { width: columns, height: rows, ..*camera }.photograph_map(
+            &picture,
+            depth_mm.collect(),
+            STEP_SEED,
+        )
+    }
+}
+
+#[test]
+#[ignore = "needs the photographs with depth under LANDMARKD_DATA, and minutes to render them"]
+fn expected_errors_are_true_of_photographed_scenes() {
+    let data = std::env::var_os("LANDMARKD_DATA").expect("LANDMARKD_DATA names the folder of shared data");
+    let scene = |picture, disparities, known| StereoScene { picture, disparities, known };
+    let scenes = [
+        scene("cones/im2.png", "cones/disp2.png", None),
+        scene("tsukuba/left.png", "tsukuba/groundtruth.png", None),
+        scene("motorcycle/motorcycle_left.png", "motorcycle/disparity_x256.png", None),
+        scene(
+            "adirondack/Adirondack_left.png",
+            "adirondack/Adirondack_gt.png",
+            Some("adirondack/Adirondack_mask.png"),
+        ),
+    ];
+    for scene in scenes {
+        let seen = scene.photographed(&camera(), Path::new(&data));
+        let map = measured(&seen, &Calibration::of(camera().optics), Method::Gram);
+        let mut figures = Figures::default();
+        figures.add(&seen, &map, camera().optics.range_mm());
+        figures.say(scene.picture);
+        assert!(figures.beyond() <= 3.0 && figures.coverage() >= 1.0);
+    }
+}
+
+#[test]
+fn what_differs_between_the_pictures_is_mended_and_named() {
+    let gravel = Scene::new(Relief::Slant, Texture::Gravel, SEEDS[0]);
+    let noise = Scene { texture: Texture::Noise, ..gravel };
+    let everything = Camera { far_zoom: 1.01, far_turn_deg: 0.3, far_shift_px: [1.5, -1.0], ..camera() };
+    use Warning::*;
+    let cases: [(&str, Camera, Scene, f64, &[Warning]); 6] = [
+        ("zoom 1.01", Camera { far_zoom: 1.01, ..camera() }, gravel, 0.5, &[Scaled]),
+        ("turned by 0.5°", Camera { far_turn_deg: 0.5, ..camera() }, gravel, 0.5, &[Rotated]),
+        ("zoom, turn and shift", everything, gravel, 0.5, &[Shifted, Scaled, Rotated]),
+        ("gain 0.7", Camera { far_gain: 0.7, ..camera() }, gravel, 0.6, &[GainOff]),
+        ("dark level of 5", Camera { far_offset: 5.0, ..camera() }, noise, 0.8, &[GainOff, ContrastOff]),
+        ("gamma 0.8", Camera { far_gamma: 0.8, ..camera() }, noise, 0.9, &[GainOff, ContrastOff]),
+    ];
+    for (what, camera, scene, most, warnings) in cases {
+        let seen = camera.photograph(&scene);
+        let map = measured(&seen, &Calibration::of(camera.optics), Method::Gram);
+        let mut figures = Figures::default();
+        figures.add(&seen, &map, camera.optics.range_mm());
+        figures.say(&format!("{what}: {:?}", map.summary.warnings));
+        assert!(figures.rms() <= most && figures.beyond() <= 3.0 && figures.coverage() >= 98.0, "{what}");
+        assert_eq!(map.summary.warnings, warnings, "{what}");
+    }
+}
+
+#[test]
+fn a_thing_that_moved_is_named_and_has_no_depth() {
+    // A tenth of the picture: what is much less leaves the displacements of all parts as they are, and isn't named.
+    let scene = Scene::new(Relief::Slant, Texture::Gravel, 31);
+    let mut seen = camera().photograph(&scene);
+    let moved = Camera { far_shift_px: [4.0, 2.0], ..camera() }.photograph(&scene);
+    let width = seen.width;
+    for y in 60..140 {
+        seen.far[y * width + 70..y * width + 150]
+            .copy_from_slice(&moved.far[y * width + 70..y * width + 150]);
+    }
+    let map = measured(&seen, &Calibration::of(camera().optics), Method::Gram);
+    println!("moved: {:?}", map.summary.warnings);
+    assert!(map.summary.warnings.contains(&Warning::Moved));
+    let inside = (70..130).flat_map(|y| (80..140).map(move |x| y * width + x));
+    let known = inside.filter(|&at| map.flags()[at] == 0).count() as f64 / 3600.0;
+    println!("   {:.1} % of the moved part has a depth", 100.0 * known);
+    assert!(known < 0.1);
 }
 
 #[test]

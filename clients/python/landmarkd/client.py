@@ -27,6 +27,7 @@ from ._generated.api.databases import (
     put_alias,
     put_database,
 )
+from ._generated.api.depth import predict_optics
 from ._generated.api.jobs import get_job
 from ._generated.api.recognition import add_frame, begin_track, end_track, recognise
 from ._generated.api.service import info
@@ -49,6 +50,8 @@ from ._generated.models import (
     NewTraining,
     ObjectRecognitionBody,
     ObjectTrackedFrameBody,
+    PredictionBody,
+    PredictionRequest,
     TrackBody,
     VersionBody,
 )
@@ -385,6 +388,26 @@ class Client:
                 )
             )
         )
+
+    def predict(
+        self,
+        optics: Optics,
+        *,
+        range_mm: tuple[float, float] | None = None,
+        contrast: float | None = None,
+        noise_sigma: float | None = None,
+    ) -> PredictionBody:
+        """What an optics would measure, before it is built: expected errors by distance, working range, what to change.
+
+        `contrast` and `noise_sigma` are standard deviations in gray levels of 255.
+        """
+        request = PredictionRequest(
+            optics=optics.body(),
+            range_mm=wanted(None if range_mm is None else list(range_mm)),
+            contrast=wanted(contrast),
+            noise_sigma=wanted(noise_sigma),
+        )
+        return self._typed(PredictionBody, lambda: predict_optics.sync(client=self.generated, body=request))
 
     def inspect(
         self,

@@ -1,6 +1,7 @@
 //! What would make a rig measure better, for people.
 
 use super::Rig;
+use landmarkd_core::depth::Optics;
 
 /// The largest blur that measures best, in pixels.
 const BEST_BLUR_PX: std::ops::RangeInclusive<f64> = 4.0..=7.0;
@@ -9,31 +10,37 @@ const SHORTEST_PERIOD: f64 = 0.9;
 /// A pattern of a longer period than this many times the largest blur shows too little of it.
 const LONGEST_PERIOD: f64 = 3.0;
 
+/// What would make an optics measure better, a sentence each.
+pub fn optics_advice(optics: &Optics) -> Vec<String> {
+    let blur_px = optics.largest_blur_px();
+    let mut advice = Vec::new();
+    if !BEST_BLUR_PX.contains(&blur_px) {
+        let how = match blur_px < *BEST_BLUR_PX.start() {
+            true => "a wider aperture, a larger separation or smaller pixels make it larger",
+            false => {
+                "a narrower aperture or a smaller separation make it smaller; as it is, pictures are halved first"
+            }
+        };
+        advice.push(format!(
+            "The largest blur is {blur_px:.1} px, and {} to {} px measure best: {how}.",
+            BEST_BLUR_PX.start(),
+            BEST_BLUR_PX.end()
+        ));
+    }
+    advice.push(format!(
+        "Project a pattern onto surfaces without texture: irregular dots, better than stripes, of a period of \
+         {:.1} to {:.1} px; hard square patterns finer than 8 px alias.",
+        blur_px / SHORTEST_PERIOD,
+        blur_px * LONGEST_PERIOD
+    ));
+    advice
+}
+
 impl Rig {
     /// What would make it measure better, a sentence each.
     pub fn advice(&self) -> Vec<String> {
         let optics = &self.calibration.optics;
-        let blur_px = optics.largest_blur_px();
-        let mut advice = Vec::new();
-        if !BEST_BLUR_PX.contains(&blur_px) {
-            let how = match blur_px < *BEST_BLUR_PX.start() {
-                true => "a wider aperture, a larger separation or smaller pixels make it larger",
-                false => {
-                    "a narrower aperture or a smaller separation make it smaller; as it is, pictures are halved first"
-                }
-            };
-            advice.push(format!(
-                "The largest blur is {blur_px:.1} px, and {} to {} px measure best: {how}.",
-                BEST_BLUR_PX.start(),
-                BEST_BLUR_PX.end()
-            ));
-        }
-        advice.push(format!(
-            "Project a pattern onto surfaces without texture: irregular dots, better than stripes, of a period of \
-             {:.1} to {:.1} px; hard square patterns finer than 8 px alias.",
-            blur_px / SHORTEST_PERIOD,
-            blur_px * LONGEST_PERIOD
-        ));
+        let mut advice = optics_advice(optics);
         if self.calibration.registration.is_none() && !optics.spec().telecentric {
             advice.push(
                 "Register it by a textured target: the scale is computed from the optics alone.".into(),
@@ -54,7 +61,7 @@ impl Rig {
 mod tests {
     use super::*;
     use jiff::Timestamp;
-    use landmarkd_core::depth::{Aperture, Calibration, NearSensor, Optics, OpticsSpec};
+    use landmarkd_core::depth::{Aperture, Calibration, NearSensor, OpticsSpec};
 
     fn advice(aperture_mm: f64, telecentric: bool) -> String {
         let optics = Optics::new(&OpticsSpec {

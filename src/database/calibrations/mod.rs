@@ -8,14 +8,16 @@ mod document;
 use bytes::Bytes;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
+use uuid::Uuid;
 
+pub use advice::optics_advice;
 pub use document::{
     CALIBRATION_DOCUMENT_VERSION, DepthMethodWord, FiltersDocument, ImageDocument, NoiseDocument,
     PhotometricDocument, RegistrationDocument, ResidualDocument, TableDocument, UnreadableCalibration,
 };
 
 use super::{DatabaseError, Databases, Name};
-use crate::store::{Actor, CalibrationRow, CatalogueError};
+use crate::store::{Actor, CalibrationRow, CatalogueError, JobFilter, JobState};
 use landmarkd_core::depth::{Calibration, Optics};
 
 /// A rig of a lens before two sensors: a calibration under a name.
@@ -95,6 +97,17 @@ impl Databases {
     pub async fn rig(&self, name: &Name) -> Result<Rig, DatabaseError> {
         let row = self.catalogue.calibration(name.as_str()).await?;
         row.ok_or_else(|| DatabaseError::UnknownCalibration { calibration: name.to_string() })?.try_into()
+    }
+
+    /// The newest sweep of a rig, if it failed after the rig was changed last: what was known before it still answers.
+    ///
+    /// # Errors
+    /// The catalogue is unavailable.
+    pub async fn failed_sweep(&self, rig: &Rig) -> Result<Option<Uuid>, DatabaseError> {
+        let filter = JobFilter { calibration: Some(rig.name.clone()), ..JobFilter::default() };
+        let newest = self.catalogue.jobs(&filter, None, 1).await?.pop();
+        let failed = newest.filter(|job| job.state == JobState::Failed && job.created_at >= rig.updated_at);
+        Ok(failed.map(|job| job.id))
     }
 
     /// Rigs by name, after `after`.

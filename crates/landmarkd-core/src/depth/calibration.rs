@@ -201,8 +201,8 @@ impl Calibration {
         let FocalPair { near, far, bits, .. } = &target.target;
         let (width_px, height_px) = (near.width(), near.height());
         let start = scaling(&self.optics, width_px, height_px);
-        let TiledFit { fit, usable, tiles } =
-            fitted_registration(near, far, &start, self.optics.largest_blur_px());
+        let TiledFit { fit, usable, tiles, .. } =
+            fitted_registration(near, far, &start, self.optics.largest_blur_px(), TARGET_OVERLAPS);
         let fit = fit.ok_or(RegistrationError::TooLittleTexture { usable, tiles })?;
         let rms_px = fit.rms_px;
         if rms_px > MOST_RMS_PX {
@@ -218,5 +218,7 @@ impl Calibration {
     }
 }
 
+/// Parts of a target begin a quarter of their side after each other.
+const TARGET_OVERLAPS: usize = 4;
 /// A rigid rig leaves less than this, and more costs more than the noise.
 const MOST_RMS_PX: f64 = 0.1;

@@ -8,11 +8,11 @@ use super::{FocalPair, Median, Optics};
 use crate::statistics::median;
 
 /// Expected error above this part of the range is no depth.
-const MOST_SIGMA: f32 = 0.02;
+pub(super) const MOST_SIGMA: f32 = 0.02;
 /// β beyond this is outside the range.
-const MOST_BETA: f32 = 1.05;
+pub(super) const MOST_BETA: f32 = 1.05;
 /// A misfit above this is not explained by one depth.
-const MOST_MISFIT: f32 = 2.5;
+pub(super) const MOST_MISFIT: f32 = 2.5;
 /// How far around a pixel at full scale nothing is measured.
 const SATURATION_REACH_PX: usize = 8;
 /// Neighbours of the grid whose β differs by more than this, and by more than their error, lie on another surface.
@@ -76,7 +76,7 @@ impl DenseMap<'_> {
     }
 
     fn grade(&self, sample: &Sample) -> Grade {
-        let Sample { beta, sigma, misfit, ambiguous } = *sample;
+        let Sample { beta, sigma, misfit, ambiguous, scattered } = *sample;
         let (before, after) = (f64::from(beta) - 0.01, f64::from(beta) + 0.01);
         // Depths by β, in parts of the range.
         let slope =
@@ -85,10 +85,10 @@ impl DenseMap<'_> {
         let unknown = sigma == f32::INFINITY;
         let outside = beta.abs() > MOST_BETA || !self.optics.depth_mm(before).is_finite();
         let raised = [
-            (Flag::LowTexture, (unknown || sigma_share > MOST_SIGMA) && !ambiguous),
+            (Flag::LowTexture, (unknown || sigma_share > MOST_SIGMA) && !ambiguous && !scattered),
             (Flag::Ambiguous, unknown && ambiguous),
             (Flag::OutOfRange, !unknown && outside),
-            (Flag::Inconsistent, !unknown && misfit > MOST_MISFIT),
+            (Flag::Inconsistent, scattered || !unknown && misfit > MOST_MISFIT),
         ];
         let flags =
             raised.iter().filter(|(_, raised)| *raised).fold(0, |flags, (flag, _)| flags | flag.bit());

@@ -7,13 +7,15 @@ use super::Optics;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Flag {
-    /// Too little texture: an expected error above 2 % of the range, or no more detail than noise.
+    /// Too little texture: an expected error above 2 % of the range, no more detail than noise, or a lone contour, of
+    /// which nothing says to which of its sides its depth belongs.
     LowTexture = 1,
     /// Full scale within 8 px in either picture.
     Saturated = 2,
     /// |β| above 1.05.
     OutOfRange = 4,
-    /// No one depth explains the window: occlusion, motion, misregistration, glint.
+    /// No one depth explains the window, or neighbouring windows' depths differ: a step, occlusion, motion,
+    /// misregistration, glint.
     Inconsistent = 8,
     /// The filters don't fit into the picture here.
     Border = 16,
@@ -53,8 +55,19 @@ pub enum Warning {
     Shifted,
     /// No shift could be measured: the texture doesn't fix one.
     ShiftUnknown,
+    /// The pictures' scales differ by more than 0.25 px in the corners (the lens breathes, or zooms), and were matched.
+    Scaled,
+    /// The camera turned by more than 0.25 px in the corners between the pictures; it was turned back.
+    Rotated,
+    /// A part of the picture moved by more than 0.3 px between the pictures, against the rest.
+    Moved,
+    /// No shift, scale and turn brings the pictures' parts together.
+    Misregistered,
     /// The pictures' brightness differs by more than 3 %.
     GainOff,
+    /// The pictures' contrasts differ by another factor than their brightness: a dark level or a tone curve that only one
+    /// of them has; they were matched.
+    ContrastOff,
     /// More than a fifth of the pixels with texture are inconsistent.
     ManyInconsistent,
     /// Fewer than 5 % of the pixels have a depth.
@@ -69,7 +82,12 @@ impl Warning {
         match self {
             Warning::Shifted => "shifted",
             Warning::ShiftUnknown => "shift_unknown",
+            Warning::Scaled => "scaled",
+            Warning::Rotated => "rotated",
+            Warning::Moved => "moved",
+            Warning::Misregistered => "misregistered",
             Warning::GainOff => "gain_off",
+            Warning::ContrastOff => "contrast_off",
             Warning::ManyInconsistent => "many_inconsistent",
             Warning::LowCoverage => "low_coverage",
             Warning::NearFarSwapped => "near_far_swapped",

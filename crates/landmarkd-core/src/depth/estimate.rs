@@ -11,12 +11,14 @@ pub(super) struct Sample {
     pub(super) misfit: f32,
     /// Whether the texture suffices, but two depths explain it.
     pub(super) ambiguous: bool,
+    /// Whether the estimates about the point differ by more than their errors: there is a step in depth.
+    pub(super) scattered: bool,
 }
 
 impl Sample {
     /// No measurement.
     pub(super) const UNKNOWN: Sample =
-        Sample { beta: 0.0, sigma: f32::INFINITY, misfit: 0.0, ambiguous: false };
+        Sample { beta: 0.0, sigma: f32::INFINITY, misfit: 0.0, ambiguous: false, scattered: false };
 }
 
 /// Samples at every `step`-th pixel of the pictures that the method worked on.

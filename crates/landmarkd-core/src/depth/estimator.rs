@@ -8,8 +8,8 @@ use super::depth_map::{DepthMap, Warning};
 use super::estimate::{Estimate, Samples};
 use super::kernels::KernelBank;
 use super::monotone::MonotoneCurve;
-use super::registration::{HALVING_SIGMA_PX, exchanged, halved, scaling, shift};
-use super::resampling::{Affine, composed, resampled};
+use super::registration::{HALVING_SIGMA_PX, exchanged, fitted_registration, halved, scaling, shift};
+use super::resampling::{Affine, applied, composed, resampled};
 use super::stm::StmCurve;
 use super::{
     Calibration, DepthOptions, Fault, Filters, FocalPair, Method, Photometric, Window, gram, laplacian, stm,
@@ -95,6 +95,16 @@ const LEAST_SHIFT_PX: f64 = 0.05;
 const WARN_SHIFT_PX: f64 = 0.25;
 /// A gain farther from 1 than this is worth a warning.
 const WARN_GAIN: f64 = 0.03;
+/// A contrast farther from 1 than this is worth a warning.
+const WARN_CONTRAST: f64 = 0.03;
+/// Parts by which scale and turn are asked for begin half of their side after each other.
+const OVERLAPS: usize = 2;
+/// Parts that lie farther off the common map than this have moved, in pixels.
+const MOVED_PX: f64 = 0.3;
+/// A map by parts that differs less from the shift in every corner is left, in pixels: it is within its own error.
+const LEAST_FIT_PX: f64 = 0.3;
+/// What a map may leave, in pixels: more is no shift, scale and turn.
+const MOST_LEFT_PX: f64 = 0.15;
 /// Rounding to whole levels and what the sensor's own electronics adds at the least, in levels.
 const QUANTUM_LEVELS: f64 = 0.5;
 
@@ -159,6 +169,14 @@ impl Estimator {
         }
     }
 
+    /// The kernels, if the method has them.
+    pub(super) fn bank(&self) -> Option<&KernelBank> {
+        match &self.method {
+            PreparedMethod::Gram(bank) => Some(bank),
+            PreparedMethod::Stm(_) | PreparedMethod::Laplacian => None,
+        }
+    }
+
     /// How often the pictures are halved.
     pub(super) fn halvings(&self) -> u32 {
         self.halvings
@@ -179,9 +197,6 @@ impl Estimator {
         let mut registered = self.registered(pair);
         finished(Stage::Register);
         let gain = self.match_brightness(&mut registered);
-        if (gain - 1.0).abs() > WARN_GAIN {
-            registered.warnings.push(Warning::GainOff);
-        }
         finished(Stage::Match);
         let Estimate { mut samples, noise_sigma } = self.measured(&registered, pair.bits);
         finished(Stage::Estimate);
@@ -224,10 +239,7 @@ impl Estimator {
             registered.warnings.push(Warning::NearFarSwapped);
         }
         if self.options.align {
-            match shift(&registered.near, &registered.far, largest_blur_px) {
-                Some(shift_px) => registered.shift(shift_px, &far),
-                None => registered.warnings.push(Warning::ShiftUnknown),
-            }
+            registered.align(&far, largest_blur_px);
         }
         registered
     }
@@ -236,7 +248,15 @@ impl Estimator {
     fn match_brightness(&self, registered: &mut Registered) -> f64 {
         let mut gain = 1.0;
         if self.options.match_brightness {
-            (registered.far, gain) = matched(&registered.near, &registered.far);
+            let largest_blur_px = self.calibration.optics.largest_blur_px();
+            let matched = matched(&registered.near, &registered.far, largest_blur_px);
+            (registered.far, gain) = (matched.far, matched.gain);
+            if (gain - 1.0).abs() > WARN_GAIN {
+                registered.warnings.push(Warning::GainOff);
+            }
+            if (matched.contrast - 1.0).abs() > WARN_CONTRAST {
+                registered.warnings.push(Warning::ContrastOff);
+            }
         }
         for _ in 0..self.halvings {
             registered.near = halved(&registered.near);
@@ -308,17 +328,69 @@ pub(super) struct Registered {
 }
 
 impl Registered {
-    /// Takes out a shift, if it is more than its own error; `far` is the picture as sent.
-    fn shift(&mut self, [dx, dy]: [f64; 2], far: &Image) {
-        if dx.hypot(dy) <= LEAST_SHIFT_PX {
-            return;
+    /// Brings the far picture, given as sent, into register: a shift of the whole, then what its parts say of scale and
+    /// turn.
+    fn align(&mut self, far: &Image, largest_blur_px: f64) {
+        let start = self.to_far;
+        let whole = shift(&self.near, &self.far, largest_blur_px);
+        let [dx, dy] = whole.filter(|[dx, dy]| dx.hypot(*dy) > LEAST_SHIFT_PX).unwrap_or_default();
+        self.to_far = composed(&start, &[1.0, 0.0, dx, 0.0, 1.0, dy]);
+        let parts = fitted_registration(&self.near, far, &self.to_far, largest_blur_px, OVERLAPS);
+        let size = [self.near.width(), self.near.height()];
+        match parts.fit {
+            None if whole.is_none() => self.warnings.push(Warning::ShiftUnknown),
+            Some(fit) if fit.rms_px > MOST_LEFT_PX => self.warnings.push(Warning::Misregistered),
+            Some(fit)
+                if displacement(&self.to_far, &fit.affine_far_to_near, size).farthest_px > LEAST_FIT_PX =>
+            {
+                self.to_far = fit.affine_far_to_near;
+            }
+            _ => {}
         }
-        self.to_far = composed(&self.to_far, &[1.0, 0.0, dx, 0.0, 1.0, dy]);
-        self.far = resampled(far, &self.to_far);
-        self.shift_px = [dx, dy];
-        if dx.hypot(dy) > WARN_SHIFT_PX {
-            self.warnings.push(Warning::Shifted);
+        let Displacement { shift_px, scale_px, turn_px, .. } = displacement(&start, &self.to_far, size);
+        let raised = [
+            (Warning::Shifted, shift_px[0].hypot(shift_px[1]) > WARN_SHIFT_PX),
+            (Warning::Scaled, scale_px > WARN_SHIFT_PX),
+            (Warning::Rotated, turn_px > WARN_SHIFT_PX),
+            (Warning::Moved, parts.fit.is_some() && parts.worst_px > MOVED_PX),
+        ];
+        self.warnings.extend(raised.iter().filter(|(_, raised)| *raised).map(|(warning, _)| *warning));
+        if self.to_far != start {
+            self.far = resampled(far, &self.to_far);
+            self.shift_px = shift_px;
         }
+    }
+}
+
+/// How two maps differ over a picture, in pixels.
+struct Displacement {
+    /// At its middle, x and y.
+    shift_px: [f64; 2],
+    /// By scale, in its corners.
+    scale_px: f64,
+    /// By a turn, in its corners.
+    turn_px: f64,
+    /// In the corner where they differ most.
+    farthest_px: f64,
+}
+
+fn displacement(before: &Affine, after: &Affine, size: [usize; 2]) -> Displacement {
+    let [right, bottom] = size.map(|side| (side - 1) as f64);
+    let middle = [right / 2.0, bottom / 2.0];
+    let difference = |point: [f64; 2]| {
+        let (from, to) = (applied(before, point), applied(after, point));
+        [to[0] - from[0], to[1] - from[1]]
+    };
+    let shift_px = difference(middle);
+    let half_diagonal_px = middle[0].hypot(middle[1]);
+    let [a, b, _, d, e, _] = *before;
+    let [p, q, _, s, t, _] = *after;
+    let corners = [[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]].map(difference);
+    Displacement {
+        shift_px,
+        scale_px: (((p * t - q * s) / (a * e - b * d)).abs().sqrt() - 1.0).abs() * half_diagonal_px,
+        turn_px: ((s - q).atan2(p + t) - (d - b).atan2(a + e)).abs() * half_diagonal_px,
+        farthest_px: corners.iter().fold(0.0, |most, [dx, dy]| dx.hypot(*dy).max(most)),
     }
 }
 
@@ -333,7 +405,7 @@ fn without_offsets(pair: &FocalPair, photometric: Option<Photometric>) -> (Image
 }
 
 /// Standard deviation of white unit noise after so many halvings: the root of the combined kernel's energy.
-fn noise_gain(halvings: u32) -> f64 {
+pub(super) fn noise_gain(halvings: u32) -> f64 {
     let bell: Vec<f64> =
         (-6_i32..=6).map(|k| (-0.5 * (f64::from(k) / f64::from(HALVING_SIGMA_PX)).powi(2)).exp()).collect();
     let sum: f64 = bell.iter().sum();

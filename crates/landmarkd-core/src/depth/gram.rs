@@ -1,6 +1,7 @@
 //! The method `gram`: at the right β, H_f·n = H_n·f. The energy of the residual, E(β) = c(β)ᵀ Q c(β) with
 //! Q_ij = ⟨q_i q_j⟩, is a curve over β. Its minimum is the depth, its height there says whether any depth explains the
-//! window, and its second derivative says how well the depth is known.
+//! window, and its second derivative says how well the depth is known. Windows of several widths are measured;
+//! [`super::selection`] chooses between them.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -8,6 +9,7 @@ use super::Window;
 use super::estimate::{Estimate, Sample, Samples};
 use super::filtering::filtered;
 use super::kernels::{BETA_STEP, CANDIDATES, KernelBank, PRODUCTS, RANK, beta_of, product_pairs};
+use super::selection::{WindowSamples, chosen};
 use super::windows::{LANES, Means, Rows};
 use crate::imaging::Image;
 
@@ -16,21 +18,18 @@ const WINDOWS_PX: [f64; 4] = [2.5, 4.0, 7.0, 12.0];
 /// The same after halving: a window then sees more detail of the original.
 const HALVED_WINDOWS_PX: [f64; 3] = [2.0, 3.0, 5.0];
 /// Area over which the filters make noise alike, in pixels: a window has its area over this independent samples.
-const NOISE_AREA_PX: f64 = 4.5;
+pub(super) const NOISE_AREA_PX: f64 = 4.5;
 /// A window must hold more energy than noise makes, by this many standard deviations.
 const SIGNIFICANCE: f64 = 10.0;
 /// A second minimum within this part of the curve's height is another answer.
 const AMBIGUOUS: f32 = 0.15;
 /// Candidates about the minimum that belong to it.
 const SAME_VALLEY: f32 = 3.0;
+/// How much the energy that noise doesn't explain counts as uncertainty of β: the texture's spectrum is not that which the
+/// kernels are made for.
+pub(super) const LEFT_WEIGHT: f64 = 0.022;
 /// What the kernels leave of the texture at the right β, as a part of the curve's second derivative.
 const LEAK: f64 = 0.02;
-/// Half-width of the interval that a wider window's answer must share with all narrower ones', in standard deviations.
-const AGREEMENT: f64 = 1.2;
-/// A window whose β has a smaller standard deviation is good enough to stop at.
-const ENOUGH: f32 = 0.03;
-/// What textures differ by in β, whatever the window: their spectra aren't 1/f.
-const TEXTURE_SIGMA: f32 = 0.006;
 
 /// The products q_i·q_j of one picture pair.
 struct Products<'a> {
@@ -139,24 +138,31 @@ impl Minima {
         }
     }
 
-    /// β with its standard deviation, and how badly one depth explains the window.
-    fn samples(&self, noise_sigma: f64) -> Samples {
+    /// β with the standard deviation that noise gives it, how badly one depth explains the window, and how much texture
+    /// there is to say so.
+    fn samples(&self, noise_sigma: f64) -> WindowSamples {
         let noise = noise_sigma * noise_sigma;
         let independent = 4.0 * std::f64::consts::PI * self.sigma_px * self.sigma_px / NOISE_AREA_PX;
         let least_energy = noise * (RANK as f64 + SIGNIFICANCE * (2.0 * RANK as f64 / independent).sqrt());
         let sample = |(minimum, beta): (&Minimum, f32)| {
             let second_derivative = f64::from(minimum.second_derivative);
             let textured = f64::from(minimum.energy) >= least_energy;
-            let variance = 2.0 * noise / (independent * second_derivative);
+            let left = (f64::from(minimum.residual) - noise).max(0.0);
+            let variance = (2.0 * noise / independent + LEFT_WEIGHT * left) / second_derivative;
             Sample {
                 beta,
                 sigma: if textured && !minimum.ambiguous { variance.sqrt() as f32 } else { f32::INFINITY },
                 misfit: (f64::from(minimum.residual) / (LEAK * second_derivative + noise)) as f32,
                 ambiguous: textured && minimum.ambiguous,
+                scattered: false,
             }
         };
         let points = self.points.iter().zip(self.texture_centred()).map(sample).collect();
-        Samples { width: self.width, height: self.height, step: self.step, points }
+        WindowSamples {
+            sigma_px: self.sigma_px,
+            samples: Samples { width: self.width, height: self.height, step: self.step, points },
+            texture: self.points.iter().map(|minimum| minimum.second_derivative).collect(),
+        }
     }
 
     /// β as if the texture lay evenly about each point. A window measures β at the middle of its texture, weighed by
@@ -286,73 +292,6 @@ pub(super) fn estimate(
         minima.push(Minima::of(&means, bank));
     }
     let noise_sigma = minima[minima.len().min(2) - 1].noise_sigma().max(least_noise);
-    let estimates: Vec<Samples> = minima.iter().map(|minima| minima.samples(noise_sigma)).collect();
-    Estimate { samples: widest_agreeing(&estimates), noise_sigma: Some(noise_sigma) }
-}
-
-/// At each point of the finest grid the widest window whose answer agrees with all narrower ones' (intersection of
-/// confidence intervals): wide on planes, narrow at steps. `windows` ascend.
-fn widest_agreeing(windows: &[Samples]) -> Samples {
-    let Samples { width, height, step, .. } = windows[0];
-    let points = (0..width * height).map(|at| widest_agreeing_at(windows, at)).collect();
-    Samples { width, height, step, points }
-}
-
-/// The choice at point `at` of the finest grid.
-fn widest_agreeing_at(windows: &[Samples], at: usize) -> Sample {
-    let finest = &windows[0];
-    let (x_px, y_px) = (at % finest.width * finest.step, at / finest.width * finest.step);
-    let mut chosen = Sample { ambiguous: finest.points[at].ambiguous, ..Sample::UNKNOWN };
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    for window in windows {
-        let Some(point) = interpolated(window, x_px, y_px) else { continue };
-        let reach = AGREEMENT * point.sigma;
-        let (new_low, new_high) = (low.max(point.beta - reach), high.min(point.beta + reach));
-        (low, high) = match (new_low <= new_high, chosen.sigma < ENOUGH) {
-            (true, _) => (new_low, new_high),
-            (false, true) => break,
-            // The narrower windows' answers are too uncertain to overrule a wider one's.
-            (false, false) => (point.beta - reach, point.beta + reach),
-        };
-        chosen.beta = point.beta as f32;
-        chosen.sigma = point.sigma as f32;
-        chosen.misfit = point.misfit as f32;
-    }
-    chosen.ambiguous &= chosen.sigma.is_infinite();
-    chosen.sigma = (chosen.sigma.powi(2) + TEXTURE_SIGMA * TEXTURE_SIGMA).sqrt();
-    chosen
-}
-
-/// One window's answer at one pixel.
-struct Point {
-    beta: f64,
-    sigma: f64,
-    misfit: f64,
-}
-
-/// A window's answer at a pixel, bilinear between the grid's points; `None` where one of them has none.
-fn interpolated(samples: &Samples, x_px: usize, y_px: usize) -> Option<Point> {
-    let &Samples { width, height, step, .. } = samples;
-    let along = |px: usize, count: usize| {
-        let before = (px / step).min(count - 1);
-        (before, (before + 1).min(count - 1), (px % step) as f64 / step as f64)
-    };
-    let ((x0, x1, u), (y0, y1, v)) = (along(x_px, width), along(y_px, height));
-    let corners = [
-        (y0 * width + x0, (1.0 - u) * (1.0 - v)),
-        (y0 * width + x1, u * (1.0 - v)),
-        (y1 * width + x0, (1.0 - u) * v),
-        (y1 * width + x1, u * v),
-    ];
-    let mut point = Point { beta: 0.0, sigma: 0.0, misfit: 0.0 };
-    for (at, weight) in corners.into_iter().filter(|(_, weight)| *weight > 0.0) {
-        let corner = &samples.points[at];
-        if corner.sigma.is_infinite() {
-            return None;
-        }
-        point.beta += weight * f64::from(corner.beta);
-        point.sigma += weight * f64::from(corner.sigma);
-        point.misfit += weight * f64::from(corner.misfit);
-    }
-    Some(point)
+    let windows: Vec<WindowSamples> = minima.iter().map(|minima| minima.samples(noise_sigma)).collect();
+    Estimate { samples: chosen(&windows), noise_sigma: Some(noise_sigma) }
 }

@@ -54,6 +54,21 @@ pub(super) struct KernelBank {
     pub(super) correction: Vec<f32>,
 }
 
+/// What a window full of texture says of its depth.
+pub(super) struct Evidence {
+    /// d²E/dβ².
+    pub(super) second_derivative: f64,
+    /// What the kernels leave of the texture at the right β.
+    pub(super) left: f64,
+}
+
+/// The lowest candidate that has neighbours, and E about it.
+fn lowest(energy: &[f64]) -> (usize, [f64; 3]) {
+    let lowest = (0..CANDIDATES).min_by(|&a, &b| energy[a].total_cmp(&energy[b])).unwrap_or(0);
+    let lowest = lowest.clamp(1, CANDIDATES - 2);
+    (lowest, [lowest - 1, lowest, lowest + 1].map(|candidate| energy[candidate]))
+}
+
 /// The step between entries of the correction.
 const CORRECTION_STEP: f64 = 0.01;
 
@@ -132,6 +147,20 @@ impl KernelBank {
 
     /// Where E is least for a texture of a 1/f spectrum under this blur of the near and the far picture.
     fn minimum(&self, blur_px: [f64; 2], frequencies: &[Frequency], responses: &[[[f64; RANK]; 2]]) -> f64 {
+        let energy = self.curve(blur_px, frequencies, responses);
+        let (lowest, [before, here, after]) = lowest(&energy);
+        let second_difference = (before - 2.0 * here + after).max(f64::MIN_POSITIVE);
+        let offset = (0.5 * (before - after) / second_difference).clamp(-1.0, 1.0);
+        beta_of(lowest) + f64::from(BETA_STEP) * offset
+    }
+
+    /// E at each candidate for a texture of a 1/f spectrum under this blur, summed over the frequencies of the design.
+    fn curve(
+        &self,
+        blur_px: [f64; 2],
+        frequencies: &[Frequency],
+        responses: &[[[f64; RANK]; 2]],
+    ) -> Vec<f64> {
         let mut products = [0.0; PRODUCTS];
         for (frequency, [a, b]) in frequencies.iter().zip(responses) {
             let [near, far] = blur_px.map(|diameter| pillbox(frequency.cycles, diameter));
@@ -144,13 +173,22 @@ impl KernelBank {
         let energy = |form: &[f32; PRODUCTS]| -> f64 {
             form.iter().zip(&products).map(|(factor, product)| f64::from(*factor) * product).sum()
         };
-        let energy: Vec<f64> = self.forms.iter().map(energy).collect();
-        let lowest = (0..CANDIDATES).min_by(|&a, &b| energy[a].total_cmp(&energy[b])).unwrap_or(0);
-        let lowest = lowest.clamp(1, CANDIDATES - 2);
-        let [before, here, after] = [lowest - 1, lowest, lowest + 1].map(|candidate| energy[candidate]);
-        let second_difference = (before - 2.0 * here + after).max(f64::MIN_POSITIVE);
-        let offset = (0.5 * (before - after) / second_difference).clamp(-1.0, 1.0);
-        beta_of(lowest) + f64::from(BETA_STEP) * offset
+        self.forms.iter().map(energy).collect()
+    }
+
+    /// d²E/dβ² and E at the minimum for a texture of a 1/f spectrum and a standard deviation of one gray level, under
+    /// each of these blurs of the near and the far picture.
+    pub(super) fn evidence(&self, blurs_px: &[[f64; 2]]) -> Vec<Evidence> {
+        let frequencies = frequencies(&self.orbits);
+        let responses = self.responses(&frequencies);
+        let variance: f64 = frequencies.iter().map(|f| f.multiplicity * spectrum(f.cycles)).sum();
+        let step = f64::from(BETA_STEP);
+        let of = |&blur_px: &[f64; 2]| {
+            let (_, [before, here, after]) = lowest(&self.curve(blur_px, &frequencies, &responses));
+            let second_derivative = (before - 2.0 * here + after) / (step * step) / variance;
+            Evidence { second_derivative, left: here / variance }
+        };
+        blurs_px.iter().map(of).collect()
     }
 
     /// β for a minimum of E.

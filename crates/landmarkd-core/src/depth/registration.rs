@@ -14,6 +14,7 @@ use super::windows::{Means, Planes};
 use super::{FocalPair, Optics};
 use crate::eigen::Symmetric;
 use crate::imaging::Image;
+use crate::statistics::median;
 use crate::vision::smoothed;
 
 /// Lowest frequency used, cycles a pixel: below it the window over the picture prevails.
@@ -164,6 +165,10 @@ pub(super) fn halved(image: &Image) -> Image {
 const TILES_PX: std::ops::RangeInclusive<usize> = 112..=256;
 /// A part whose displacement lies this many times the usual off the common map is left out.
 const OUTLIER: f64 = 3.0;
+/// A part within this many pixels of the common map isn't left out.
+const INLIER_PX: f64 = 0.1;
+/// Rounds of leaving parts out.
+const FIT_ROUNDS: usize = 4;
 
 /// A registration fitted to the displacements of a picture's parts.
 pub(super) struct TiledFit {
@@ -173,19 +178,23 @@ pub(super) struct TiledFit {
     pub(super) usable: usize,
     /// All parts.
     pub(super) tiles: usize,
+    /// How far the part that fits worst lies off the fit, in pixels.
+    pub(super) worst_px: f64,
 }
 
-/// The registration that a textured target shows, if `to_far` is near it: displacements of overlapping parts, fitted.
+/// The registration that a textured target shows, if `to_far` is near it: displacements of overlapping parts, fitted. Parts
+/// begin a part of their side, one in `overlaps`, after each other.
 pub(super) fn fitted_registration(
     near: &Image,
     far: &Image,
     to_far: &Affine,
     largest_blur_px: f64,
+    overlaps: usize,
 ) -> TiledFit {
     let (width, height) = (near.width(), near.height());
     let brought = resampled(far, to_far);
     let tile = (width.min(height) / 2).clamp(*TILES_PX.start(), *TILES_PX.end()).min(width.min(height));
-    let corners = |side: usize| (0..=side - tile).step_by(tile / 4);
+    let corners = |side: usize| (0..=side - tile).step_by(tile / overlaps);
     let mut tiles = 0;
     let mut pairs = Vec::new();
     for (top, left) in corners(height).flat_map(|top| corners(width).map(move |left| (top, left))) {
@@ -196,17 +205,26 @@ pub(super) fn fitted_registration(
             pairs.push(PointPair { from, to: applied(to_far, [from[0] + dx, from[1] + dy]) });
         }
     }
-    if pairs.len() < LEAST_PARTS {
-        return TiledFit { fit: None, usable: pairs.len(), tiles };
+    let all = pairs.len();
+    let mut fit = (all >= LEAST_PARTS).then(|| fitted_affine(&pairs)).flatten();
+    let mut worst_px = 0.0_f64;
+    for _ in 0..FIT_ROUNDS {
+        let Some(found) = fit else { break };
+        let mut off_px: Vec<f64> =
+            pairs.iter().map(|pair| pair.distance(&found.affine_far_to_near)).collect();
+        let usual_px = median(&mut off_px.clone(), f64::total_cmp).unwrap_or(0.0);
+        let most_px = (OUTLIER * usual_px).max(INLIER_PX);
+        let Some((worst, off)) = off_px.drain(..).enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
+        if off <= most_px {
+            break;
+        }
+        worst_px = worst_px.max(off);
+        pairs.swap_remove(worst);
+        fit = (pairs.len() >= LEAST_PARTS).then(|| fitted_affine(&pairs)).flatten();
     }
-    let fit = fitted_affine(&pairs).and_then(|Registration { affine_far_to_near, rms_px }| {
-        pairs.retain(|pair| {
-            let [dx, dy] = pair.residual(&affine_far_to_near);
-            dx.hypot(dy) <= OUTLIER * rms_px
-        });
-        (pairs.len() >= LEAST_PARTS).then(|| fitted_affine(&pairs)).flatten()
-    });
-    TiledFit { fit, usable: pairs.len(), tiles }
+    TiledFit { fit, usable: pairs.len(), tiles, worst_px }
 }
 
 /// Fewer parts leave no residual to test an affine map by.
@@ -267,6 +285,12 @@ struct PointPair {
 }
 
 impl PointPair {
+    /// How far a map misses the pair.
+    fn distance(&self, affine: &Affine) -> f64 {
+        let [dx, dy] = self.residual(affine);
+        dx.hypot(dy)
+    }
+
     /// How far a map misses the pair, x and y.
     fn residual(&self, affine: &Affine) -> [f64; 2] {
         let at = applied(affine, self.from);
@@ -296,10 +320,7 @@ fn fitted_affine(pairs: &[PointPair]) -> Option<Registration> {
         [solution[0] / 1000.0, solution[1] / 1000.0, solution[2]]
     });
     let affine_far_to_near = [a, b, c, d, e, f];
-    let squares = pairs.iter().map(|pair| {
-        let [dx, dy] = pair.residual(&affine_far_to_near);
-        dx.powi(2) + dy.powi(2)
-    });
+    let squares = pairs.iter().map(|pair| pair.distance(&affine_far_to_near).powi(2));
     let rms_px = (squares.sum::<f64>() / pairs.len() as f64).sqrt();
     Some(Registration { affine_far_to_near, rms_px })
 }
@@ -342,7 +363,7 @@ mod tests {
         let camera = camera(false);
         let pair = seen(&camera, Texture::Gravel);
         let start = scaling(&camera.optics, pair.width(), pair.height());
-        let TiledFit { fit, usable, tiles } = fitted_registration(&pair.near, &pair.far, &start, 5.0);
+        let TiledFit { fit, usable, tiles, .. } = fitted_registration(&pair.near, &pair.far, &start, 5.0, 4);
         let Registration { affine_far_to_near: affine, rms_px } = fit.expect("gravel can be registered by");
         assert!(usable * 2 > tiles && rms_px < 0.1, "{usable} of {tiles}, {rms_px} px left");
         for corner in [[0.0, 0.0], [255.0, 239.0]] {

@@ -14,6 +14,8 @@ pub(super) struct Means<const N: usize> {
     pub(super) step: usize,
     /// Standard deviation of the window in pixels.
     pub(super) sigma_px: f64,
+    /// Its variance as it is, ending at [`REACH`], in px².
+    pub(super) variance_px2: f64,
     pub(super) planes: [Vec<f32>; N],
 }
 
@@ -34,6 +36,11 @@ fn half_kernel(sigma: f64) -> Vec<f32> {
     (0..=reach).map(|k| (bell(k) / sum) as f32).collect()
 }
 
+/// The variance of a kernel of this half, in steps².
+fn variance(half_kernel: &[f32]) -> f64 {
+    half_kernel.iter().enumerate().map(|(k, &weight)| 2.0 * f64::from(weight) * (k * k) as f64).sum()
+}
+
 /// The step of a window's grid, if that of the narrower window before it is `step`.
 fn step_for(sigma_px: f64, step: usize) -> usize {
     if sigma_px / (2 * step) as f64 >= LEAST_SIGMA_STEPS { 2 * step } else { step }
@@ -51,6 +58,7 @@ impl<const N: usize> Means<N> {
             height: grid_height,
             step,
             sigma_px,
+            variance_px2: variance(&kernel),
             planes: std::array::from_fn(|_| Vec::with_capacity(grid_width * grid_height)),
         };
         let padded_width = width.next_multiple_of(LANES);
@@ -93,7 +101,8 @@ impl<const N: usize> Means<N> {
             }
             plane
         });
-        Means { width, height, step, sigma_px, planes }
+        let variance_px2 = self.variance_px2 + variance(&kernel) * (self.step * self.step) as f64;
+        Means { width, height, step, sigma_px, variance_px2, planes }
     }
 
     /// Means over the window of `sigma_px`, by a cascade of windows.

@@ -1,16 +1,18 @@
 //! Focal pairs of scenes whose depth is known: what a camera with given optics would photograph.
 //!
 //! The scene's light is a smooth function (a cubic B-spline over samples half a pixel apart). Each sample spreads over a
-//! disc of its own, each pixel gathers the light of its square, and a nearer surface covers what is behind it, its
-//! blurred edge in part. An ordinary lens images the far-focused picture smaller, about the principal point. Everything
-//! follows from the scene's seed.
+//! disc of its own, and each pixel gathers the light of its square; where surfaces hide each other, rays through many
+//! points of the lens do the same. An ordinary lens images the far-focused picture smaller, about the principal point.
+//! Everything follows from the scene's seed.
 
 mod point_spread;
+mod rays;
 mod relief;
 mod spline;
 mod texture;
 
 use point_spread::{FINE, LightBuffer, PointSpreads};
+use rays::{RadiusMap, gathered};
 pub use relief::Relief;
 pub use texture::Texture;
 
@@ -74,12 +76,37 @@ pub struct Camera {
     pub far_gain: f64,
     /// By how much the far-focused picture's content is displaced, x and y.
     pub far_shift_px: [f64; 2],
+    /// Size of the far-focused picture over what the optics says.
+    pub far_zoom: f64,
+    /// By how much the far-focused picture's content is turned about the optical axis, x towards y.
+    pub far_turn_deg: f64,
+    /// Gray levels added to the far-focused picture.
+    pub far_offset: f64,
+    /// Power that the far-focused picture's light is raised to, as a part of full scale.
+    pub far_gamma: f64,
 }
+
+/// Neighbours whose depths differ by more than this part of the working range lie on two surfaces.
+const STEP: f64 = 0.05;
+/// Rounds to find where a ray meets a surface; a plane that faces the camera needs one.
+const RAY_ROUNDS: usize = 5;
 
 impl Camera {
     /// A camera of 256 × 240 pixels with 8 bits, noise of one gray level, and sensors alike.
     pub fn new(optics: Optics) -> Camera {
-        Camera { optics, width: 256, height: 240, noise: 1.0, bits: 8, far_gain: 1.0, far_shift_px: [0.0; 2] }
+        Camera {
+            optics,
+            width: 256,
+            height: 240,
+            noise: 1.0,
+            bits: 8,
+            far_gain: 1.0,
+            far_shift_px: [0.0; 2],
+            far_zoom: 1.0,
+            far_turn_deg: 0.0,
+            far_offset: 0.0,
+            far_gamma: 1.0,
+        }
     }
 
     /// Photographs a scene.
@@ -89,13 +116,12 @@ impl Camera {
     pub fn photograph(&self, scene: &Scene) -> Rendered {
         assert!(matches!(self.bits, 8 | 16), "8 or 16 bits a sample, not {}", self.bits);
         let size = [self.width, self.height];
-        let (surface, depth_mm) = (0..self.width * self.height)
+        let depth_mm = (0..self.width * self.height)
             .map(|at| {
                 let place = [(at % self.width) as f64, (at / self.width) as f64];
-                let (surface, share) = scene.relief.seen(place, size);
-                (surface, self.depth_mm(share))
+                self.depth_mm(scene.relief.share(scene.relief.seen(place, size), place, size))
             })
-            .unzip();
+            .collect();
         let margin_px = self.margin_px(scene);
         let [columns, rows] = size.map(|side| FINE * (side + 2 * margin_px));
         let mut texture = scene.texture.drawn(columns, rows, scene.contrast, scene.seed);
@@ -105,8 +131,87 @@ impl Camera {
         let light = spline::coefficients(texture);
         let spreads = &mut PointSpreads::default();
         let [near, far] = [0, 1].map(|sensor| self.exposed(sensor, scene, &light, margin_px, spreads));
-        let (near, far) = self.digitised(&near, &far, scene.seed);
-        Rendered { width: self.width, height: self.height, bits: self.bits, near, far, depth_mm, surface }
+        self.rendered(&near, &far, depth_mm, scene.seed)
+    }
+
+    /// Photographs a picture whose every pixel has a depth: `light` in gray levels and `depth_mm` of the camera's size.
+    /// What a nearer thing hides from the middle of the lens is taken to be as what is beside it.
+    ///
+    /// # Panics
+    /// If the sizes differ from the camera's, or a depth lies within the focal length.
+    pub fn photograph_map(&self, light: &Image, depth_mm: Vec<f64>, seed: u64) -> Rendered {
+        assert_eq!(
+            (light.width(), light.height(), depth_mm.len()),
+            (self.width, self.height, self.width * self.height)
+        );
+        let spline = spline::coefficients(light.clone());
+        let [right, bottom] = [self.width - 1, self.height - 1].map(|last| last as f64);
+        let [near, far] = [0, 1].map(|sensor| {
+            let radius = |&depth_mm: &f64| self.blur_radius_px(sensor, depth_mm) as f32;
+            let radii = Image::new(self.width, self.height, depth_mm.iter().map(radius).collect());
+            let map = RadiusMap::new(radii);
+            gathered([self.width, self.height], |place, lens| {
+                let [x, y] = map.met(self.in_near_picture(sensor, place), lens);
+                spline::value_at(&spline, x.clamp(0.0, right), y.clamp(0.0, bottom))
+            })
+        });
+        self.rendered(&near, &far, depth_mm, seed)
+    }
+
+    fn rendered(&self, near: &[f32], far: &[f32], depth_mm: Vec<f64>, seed: u64) -> Rendered {
+        let (near, far) = self.digitised(near, far, seed);
+        let step_mm = STEP * self.optics.range_mm();
+        Rendered { width: self.width, height: self.height, bits: self.bits, near, far, depth_mm, step_mm }
+    }
+
+    /// The place of the near-focused picture that shows what a place of a sensor shows.
+    fn in_near_picture(&self, sensor: usize, [x, y]: [f64; 2]) -> [f64; 2] {
+        if sensor == 0 {
+            return [x, y];
+        }
+        let (scale, [dx, dy]) = (self.optics.far_scale() * self.far_zoom, self.far_shift_px);
+        let centre = self.optics.principal_point(self.width, self.height);
+        let (sin, cos) = self.far_turn_deg.to_radians().sin_cos();
+        let (x, y) = ((x - dx - centre[0]) / scale, (y - dy - centre[1]) / scale);
+        [centre[0] + cos * x + sin * y, centre[1] - sin * x + cos * y]
+    }
+
+    /// Half the signed blur diameter of a point on a sensor, in pixels of the near-focused picture.
+    fn blur_radius_px(&self, sensor: usize, depth_mm: f64) -> f64 {
+        0.5 * self.optics.registered_blur_px(self.optics.beta(depth_mm))[sensor]
+    }
+
+    /// The light on a sensor's pixels of a scene whose surfaces hide each other.
+    fn seen_through_the_lens(
+        &self,
+        sensor: usize,
+        scene: &Scene,
+        light: &Image,
+        margin_px: usize,
+    ) -> Vec<f32> {
+        let (size, relief) = ([self.width, self.height], scene.relief);
+        let light = spline::of_squares(light);
+        let sample_at = |px: f64, surface: usize, stride: usize| {
+            (px + 0.5 + margin_px as f64) * FINE as f64 - 0.5 + (stride * FINE * surface) as f64
+        };
+        gathered(size, |place, lens| {
+            let place = self.in_near_picture(sensor, place);
+            let met = |surface: usize| {
+                let mut at = place;
+                for _ in 0..RAY_ROUNDS {
+                    let depth_mm = self.depth_mm(relief.share(surface, at, size));
+                    let radius_px = self.blur_radius_px(sensor, depth_mm);
+                    let next = [place[0] - radius_px * lens[0], place[1] - radius_px * lens[1]];
+                    if next == std::mem::replace(&mut at, next) {
+                        break;
+                    }
+                }
+                relief.reaches(surface, at, size).then_some((surface, at))
+            };
+            let seen = (0..relief.surfaces()).rev().find_map(met);
+            let (surface, [x, y]) = seen.expect("the farthest surface is everywhere");
+            spline::value_at(&light, sample_at(x, surface, 37), sample_at(y, surface, 53))
+        })
     }
 
     /// The samples of both sensors for the light on their pixels: noise, gain, rounding.
@@ -119,7 +224,8 @@ impl Camera {
         };
         let samples = near.iter().zip(far).map(|(&near, &far)| {
             let [near_noise, far_noise] = random.normals();
-            (sample(near, near_noise), sample(far * self.far_gain as f32, far_noise))
+            let far = 255.0 * (far.max(0.0) / 255.0).powf(self.far_gamma as f32) * self.far_gain as f32;
+            (sample(near, near_noise), sample(far + self.far_offset as f32, far_noise))
         });
         samples.unzip()
     }
@@ -136,16 +242,19 @@ impl Camera {
         let middle = [self.width / 2, self.height / 2].map(|v| v as f64);
         let places = corners.iter().chain([&middle]);
         let blurs = places.flat_map(|&place| {
-            let share = scene.relief.share(0, place, [self.width, self.height]).unwrap_or(0.5);
+            let share = scene.relief.share(0, place, [self.width, self.height]);
             self.optics.blur_diameters_px(self.optics.beta(self.depth_mm(share)))
         });
         let blur_px = blurs.fold(self.optics.largest_blur_px(), |most, blur| most.max(blur.abs()));
         let shift_px = self.far_shift_px[0].abs().max(self.far_shift_px[1].abs());
-        let wider_px = self.width.max(self.height) as f64 * (1.0 / self.optics.far_scale() - 1.0);
+        let wider = (1.0 / (self.optics.far_scale() * self.far_zoom) - 1.0).max(0.0)
+            + self.far_turn_deg.to_radians().abs();
+        let wider_px = self.width.max(self.height) as f64 * wider;
         ((0.6 * blur_px + shift_px + wider_px + 4.0) / 16.0).ceil() as usize * 16
     }
 
-    /// The light that falls on the pixels of the near- (0) or the far-focused (1) sensor, in gray levels.
+    /// The light that falls on the pixels of the near- (0) or the far-focused (1) sensor, in gray levels: by the disc that
+    /// each sample becomes where nothing is hidden or turned, else by rays.
     fn exposed(
         &self,
         sensor: usize,
@@ -154,53 +263,34 @@ impl Camera {
         margin_px: usize,
         spreads: &mut PointSpreads,
     ) -> Vec<f32> {
-        let view = View::new(self, sensor, light, margin_px);
-        let mut picture = vec![0.0; self.width * self.height];
-        for surface in 0..scene.relief.surfaces() {
-            let own_light = view.surface_light(surface, light);
-            let diameters = self.blur_diameters(&view, surface, scene, spreads);
-            let edge_px = spreads.reach_px() + margin_px;
-            let [mut lit, mut covered] = [(); 2].map(|()| LightBuffer::new(self.width, self.height, edge_px));
-            for (at, &diameter) in diameters.iter().enumerate().filter(|(_, diameter)| !diameter.is_nan()) {
-                let place = [at % view.columns(), at / view.columns()];
-                let share = 1.0 / (FINE * FINE) as f32;
-                spreads.splat(&mut lit, place, margin_px, diameter, share * own_light.pixels()[at]);
-                if surface > 0 {
-                    spreads.splat(&mut covered, place, margin_px, diameter, share);
-                }
-            }
-            for (pixel, (light, covered)) in picture.iter_mut().zip(lit.picture().zip(covered.picture())) {
-                *pixel = *pixel * (1.0 - covered.min(1.0)) + light / covered.max(1.0);
-            }
+        if scene.relief.surfaces() > 1 || self.far_zoom != 1.0 || self.far_turn_deg != 0.0 {
+            return self.seen_through_the_lens(sensor, scene, light, margin_px);
         }
-        picture
+        let view = View::new(self, sensor, light, margin_px);
+        let own_light = view.light(light);
+        let diameters = self.blur_diameters(&view, scene, spreads);
+        let mut lit = LightBuffer::new(self.width, self.height, spreads.reach_px() + margin_px);
+        for (at, &diameter) in diameters.iter().enumerate() {
+            let place = [at % view.columns(), at / view.columns()];
+            let share = 1.0 / (FINE * FINE) as f32;
+            spreads.splat(&mut lit, place, margin_px, diameter, share * own_light.pixels()[at]);
+        }
+        lit.picture().collect()
     }
 
-    /// Blur diameter of each sample of a surface on the view's sensor, in pixels; NaN where the surface isn't or can't be
-    /// seen. Prepares the kernels for them.
-    fn blur_diameters(
-        &self,
-        view: &View,
-        surface: usize,
-        scene: &Scene,
-        spreads: &mut PointSpreads,
-    ) -> Vec<f32> {
-        let size = [self.width, self.height];
-        // Two discs, the sample's and that of what hides it, and the pixels and samples themselves.
-        let hidden_px = self.optics.largest_blur_px() + 6.0;
+    /// Blur diameter of each sample of the scene on the view's sensor, in pixels. Prepares the kernels for them.
+    fn blur_diameters(&self, view: &View, scene: &Scene, spreads: &mut PointSpreads) -> Vec<f32> {
         let columns = view.columns();
-        let mut diameters = vec![f32::NAN; columns * view.y_px.len()];
-        for (at, diameter) in diameters.iter_mut().enumerate() {
-            let place = [view.x_px[at % columns], view.y_px[at / columns]];
-            if let Some(share) = scene.relief.share(surface, place, size)
-                && !scene.relief.hides(surface, place, hidden_px, size)
-            {
+        (0..columns * view.y_px.len())
+            .map(|at| {
+                let place = [view.x_px[at % columns], view.y_px[at / columns]];
+                let share = scene.relief.share(0, place, [self.width, self.height]);
                 let beta = self.optics.beta(self.depth_mm(share));
-                *diameter = self.optics.blur_diameters_px(beta)[view.sensor].abs() as f32;
-                spreads.prepare(*diameter);
-            }
-        }
-        diameters
+                let diameter = self.optics.blur_diameters_px(beta)[view.sensor].abs() as f32;
+                spreads.prepare(diameter);
+                diameter
+            })
+            .collect()
     }
 
     /// Five small sources, far brighter than what the sensor holds.
@@ -256,17 +346,14 @@ impl View {
         self.x_px.len()
     }
 
-    /// The spline's coefficients of a surface's light; every surface shows another part of the scene's texture.
-    fn surface_light(&self, surface: usize, light: &Image) -> Image {
-        let (columns, rows) = (light.width(), light.height());
-        let [right, down] = [37 * FINE * surface, 53 * FINE * surface];
+    /// The spline's coefficients of the light at the view's samples.
+    fn light(&self, light: &Image) -> Image {
         if self.is_identity {
-            return Image::from_fn(columns, rows, |x, y| light.at((x + right) % columns, (y + down) % rows));
+            return light.clone();
         }
         let sample_at = |px: f64| (px + 0.5 + self.margin_px as f64) * FINE as f64 - 0.5;
-        spline::coefficients(Image::from_fn(columns, rows, |x, y| {
-            let (at_x, at_y) = (sample_at(self.x_px[x]), sample_at(self.y_px[y]));
-            spline::value_at(light, at_x + right as f64, at_y + down as f64)
+        spline::coefficients(Image::from_fn(light.width(), light.height(), |x, y| {
+            spline::value_at(light, sample_at(self.x_px[x]), sample_at(self.y_px[y]))
         }))
     }
 }
@@ -286,8 +373,8 @@ pub struct Rendered {
     pub far: Vec<u16>,
     /// Distance along the optical axis of what each pixel of the near-focused picture shows, in mm.
     pub depth_mm: Vec<f64>,
-    /// Which surface each of its pixels shows.
-    surface: Vec<usize>,
+    /// Neighbouring pixels whose depths differ by more lie on two surfaces.
+    step_mm: f64,
 }
 
 impl Rendered {
@@ -317,16 +404,18 @@ impl Rendered {
 
     /// The pixels within a distance of a step in depth, row-major.
     pub fn near_step(&self, distance_px: f64) -> Vec<bool> {
-        let mut marks = vec![false; self.surface.len()];
+        let depth_mm = &self.depth_mm;
+        let mut marks = vec![false; depth_mm.len()];
         let reach = distance_px.ceil() as i64;
         let within = |at: usize, step: i64, side: usize| {
             let there = at as i64 + step;
             (0..side as i64).contains(&there).then_some(there as usize)
         };
-        for at in 0..self.surface.len() {
+        for at in 0..depth_mm.len() {
             let (x, y) = (at % self.width, at / self.width);
-            let right = x + 1 < self.width && self.surface[at] != self.surface[at + 1];
-            let below = y + 1 < self.height && self.surface[at] != self.surface[at + self.width];
+            let differs = |other: usize| (depth_mm[at] - depth_mm[other]).abs() > self.step_mm;
+            let right = x + 1 < self.width && differs(at + 1);
+            let below = y + 1 < self.height && differs(at + self.width);
             if !right && !below {
                 continue;
             }
@@ -444,6 +533,43 @@ mod tests {
             let light = picture[middle];
             assert!(if seen { light > 5.0 } else { light.abs() < 0.2 }, "{relief:?}: {light}");
         }
+    }
+
+    #[test]
+    fn rays_and_discs_make_the_same_pictures_where_nothing_is_hidden() {
+        // A step between two planes at one depth is no step.
+        let camera = Camera { width: 48, height: 40, ..small(false) };
+        let pictures = [Relief::Plane { share: 0.9 }, Relief::Step { near: 0.9, far: 0.9 }]
+            .map(|relief| camera.photograph(&Scene::new(relief, Texture::Gravel, 5)));
+        for (picture, [discs, rays]) in [
+            ("near", pictures.each_ref().map(|rendered| &rendered.near)),
+            ("far", pictures.each_ref().map(|rendered| &rendered.far)),
+        ] {
+            // The right half: the left one shows another part of the texture.
+            let right = (0..discs.len()).filter(|at| at % camera.width > 34);
+            let squares = right.clone().map(|at| (f64::from(discs[at]) - f64::from(rays[at])).powi(2));
+            let rms_levels = (squares.sum::<f64>() / right.count() as f64).sqrt() / 257.0;
+            assert!(rms_levels < 0.5, "{picture}: {rms_levels} levels between them");
+        }
+    }
+
+    #[test]
+    fn a_map_of_depths_is_photographed_as_its_surfaces_are() {
+        // The lone disc of a light point on a plane behind an edge: cut where the near half hides it.
+        let camera = Camera { width: 64, height: 48, ..small(true) };
+        let light = Image::from_fn(64, 48, |x, y| if (x, y) == (35, 24) { 200.0 } else { 100.0 });
+        let whole = camera.photograph_map(&light, vec![camera.depth_mm(0.9); 64 * 48], 1);
+        let depth_mm = (0..64 * 48).map(|at| camera.depth_mm(if at % 64 < 35 { 0.1 } else { 0.9 }));
+        let hidden = camera.photograph_map(&light, depth_mm.collect(), 1);
+        // Two pixels left of the point: within its disc, and before it.
+        let level = |rendered: &Rendered| f64::from(rendered.near[24 * 64 + 33]) / 257.0;
+        assert!(
+            level(&whole) > 103.0 && (level(&hidden) - 100.0).abs() < 2.5,
+            "{} {}",
+            level(&whole),
+            level(&hidden)
+        );
+        assert!(hidden.near_step(1.0)[24 * 64 + 35] && !whole.near_step(1.0).contains(&true));
     }
 
     #[test]

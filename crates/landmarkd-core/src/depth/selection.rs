@@ -1,0 +1,148 @@
+//! Which window answers at each point of the grid, and how far it is trusted.
+//!
+//! A window measures the depth of the texture that it holds, wherever in it that lies. So it counts only where its texture
+//! lies about the point, and its expected error is of four parts: noise, what textures differ by, the scatter of
+//! narrower windows' estimates within it about a plane ([`super::spread`]), and how much of what is around the point can't
+//! be measured. The window of the least expected error answers. Within the blur and the narrowest window of a step none
+//! does: estimates scatter there.
+
+use super::dense_map::{MOST_BETA, MOST_MISFIT, MOST_SIGMA};
+use super::estimate::{Sample, Samples};
+use super::spread::Spread;
+use super::windows::{Means, Planes};
+
+/// What one window measured.
+pub(super) struct WindowSamples {
+    /// Standard deviation of the window in pixels.
+    pub(super) sigma_px: f64,
+    /// β with its evidence; its deviation is that which noise makes.
+    pub(super) samples: Samples,
+    /// How much texture says so at each point: d²E/dβ².
+    pub(super) texture: Vec<f32>,
+}
+
+/// What textures differ by in β, whatever the window: their spectra aren't 1/f.
+pub(super) const TEXTURE_SIGMA: f32 = 0.003;
+/// The middle of a window's texture may lie this many of its standard deviations off the point.
+const MOST_OFF_MIDDLE: f32 = 0.7;
+/// The narrowest window has this part of a wider one's texture at least: else that is elsewhere.
+const LEAST_OWN_TEXTURE: f32 = 0.3;
+/// The narrowest window has this many times the widest one's texture at most: else it is that of a lone contour, and to
+/// which of its two sides its depth belongs is not known.
+const MOST_OWN_TEXTURE: f32 = 2.2;
+/// Estimates scatter within this many standard deviations of a window.
+const SPREAD_WINDOW: f64 = 1.6;
+/// How much of what noise makes of the scatter is taken off it.
+const SPREAD_NOISE: f32 = 1.3;
+/// Surroundings whose measured part counts (standard deviation, pixels).
+const SURROUNDINGS_PX: f64 = 6.0;
+/// How much unmeasured surroundings enlarge the expected error.
+const UNMEASURED_WEIGHT: f32 = 5.0;
+/// No depth has a larger expected error; β spans 2 over the working range.
+const MOST_BETA_SIGMA: f32 = 2.0 * MOST_SIGMA;
+
+/// The answer at each point of the finest grid. `windows` ascend.
+pub(super) fn chosen(windows: &[WindowSamples]) -> Samples {
+    let finest = &windows[0].samples;
+    let &Samples { width, height, step, .. } = finest;
+    let widths: Vec<f64> =
+        windows.iter().map(|window| SPREAD_WINDOW * window.sigma_px / step as f64).collect();
+    let spreads = Spread::over(finest, &widths);
+    let points = (0..width * height).map(|at| least_expected_error(windows, &spreads, at)).collect();
+    let mut samples = Samples { width, height, step, points };
+    doubt_surroundings(&mut samples);
+    samples
+}
+
+/// The choice at point `at` of the finest grid.
+fn least_expected_error(windows: &[WindowSamples], spreads: &[Spread], at: usize) -> Sample {
+    let finest = &windows[0].samples;
+    let (x, y) = (at % finest.width, at / finest.width);
+    let place_px = [x, y].map(|v| v * finest.step);
+    let own_texture = windows[0].texture[at];
+    let mut chosen = Sample { ambiguous: finest.points[at].ambiguous, ..Sample::UNKNOWN };
+    let mut noise_sigma = f32::INFINITY;
+    let mut lone_contour = false;
+    for (window, spread) in windows.iter().zip(spreads) {
+        let Some(point) = window.at(place_px) else { continue };
+        lone_contour = own_texture > MOST_OWN_TEXTURE * point.texture;
+        if point.off_middle > MOST_OFF_MIDDLE || own_texture < LEAST_OWN_TEXTURE * point.texture {
+            continue;
+        }
+        noise_sigma = noise_sigma.min(point.sigma);
+        let scatter = spread.at(x, y).excess(SPREAD_NOISE);
+        let sigma = (point.sigma * point.sigma + TEXTURE_SIGMA * TEXTURE_SIGMA + scatter).sqrt();
+        if sigma < chosen.sigma {
+            chosen = Sample { beta: point.beta, sigma, misfit: point.misfit, ..chosen };
+        }
+    }
+    if lone_contour {
+        return Sample { ambiguous: false, ..Sample::UNKNOWN };
+    }
+    chosen.scattered = chosen.sigma > MOST_BETA_SIGMA && noise_sigma <= MOST_BETA_SIGMA;
+    chosen.ambiguous &= chosen.sigma.is_infinite();
+    chosen
+}
+
+/// Enlarges the expected error where little of what is around can be measured: a step there would not show.
+fn doubt_surroundings(samples: &mut Samples) {
+    let (width, height, step) = (samples.width, samples.height, samples.step as f64);
+    let known: Vec<f32> = samples.points.iter().map(|sample| f32::from(is_known(sample))).collect();
+    let rows = Planes { width, planes: [&known] };
+    let around = Means::over(&rows, width, height, SURROUNDINGS_PX / step);
+    for (at, sample) in samples.points.iter_mut().enumerate() {
+        let [x, y] = [at % width, at / width].map(|v| v / around.step);
+        let unmeasured = (1.0 - around.planes[0][y * around.width + x]).max(0.0);
+        sample.sigma *= 1.0 + UNMEASURED_WEIGHT * unmeasured;
+    }
+}
+
+/// Whether a sample is a depth, but for what is around it.
+fn is_known(sample: &Sample) -> bool {
+    sample.sigma <= MOST_BETA_SIGMA && sample.beta.abs() <= MOST_BETA && sample.misfit <= MOST_MISFIT
+}
+
+/// One window's answer at one pixel.
+struct Point {
+    beta: f32,
+    sigma: f32,
+    misfit: f32,
+    texture: f32,
+    /// How far the middle of the texture lies off the window's, in its standard deviations.
+    off_middle: f32,
+}
+
+impl WindowSamples {
+    /// The window's answer at a pixel, bilinear between the grid's points; `None` where one of them has none.
+    fn at(&self, [x_px, y_px]: [usize; 2]) -> Option<Point> {
+        let &Samples { width, height, step, .. } = &self.samples;
+        let along = |px: usize, count: usize| {
+            let before = (px / step).min(count - 1);
+            (before, (before + 1).min(count - 1), (px % step) as f32 / step as f32)
+        };
+        let ((x0, x1, u), (y0, y1, v)) = (along(x_px, width), along(y_px, height));
+        let corners = [
+            (y0 * width + x0, (1.0 - u) * (1.0 - v)),
+            (y0 * width + x1, u * (1.0 - v)),
+            (y1 * width + x0, (1.0 - u) * v),
+            (y1 * width + x1, u * v),
+        ];
+        let mut point = Point { beta: 0.0, sigma: 0.0, misfit: 0.0, texture: 0.0, off_middle: 0.0 };
+        for (at, weight) in corners.into_iter().filter(|(_, weight)| *weight > 0.0) {
+            let corner = &self.samples.points[at];
+            if corner.sigma.is_infinite() {
+                return None;
+            }
+            point.beta += weight * corner.beta;
+            point.sigma += weight * corner.sigma;
+            point.misfit += weight * corner.misfit;
+            point.texture += weight * self.texture[at];
+        }
+        // σ²∇h/h off the middle, as in the texture's own correction; over σ.
+        let texture = |x: usize, y: usize| self.texture[y * width + x];
+        let across = texture((x0 + 1).min(width - 1), y0) - texture(x0.saturating_sub(1), y0);
+        let down = texture(x0, (y0 + 1).min(height - 1)) - texture(x0, y0.saturating_sub(1));
+        point.off_middle = across.hypot(down) * self.sigma_px as f32 / (2 * step) as f32 / texture(x0, y0);
+        Some(point)
+    }
+}
