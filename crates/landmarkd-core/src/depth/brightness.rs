@@ -17,13 +17,15 @@ const WINDOW_BLURS: f64 = 3.0;
 const ACROSS: f64 = 2.0;
 /// Added to both means, so that the ratio stays finite in the dark.
 const PEDESTAL: f32 = 1.0;
+/// Gray levels from here on are cut off.
+const FULL_SCALE: f32 = 254.5;
 /// A contrast nearer to 1 is left: scenes that are all near or all far show as much.
 const LEAST_CONTRAST: f64 = 0.02;
 /// Root of the mean square of the far picture's relative changes of brightness, at least: what blur does to less of them
 /// would be taken for contrast.
 const LEAST_CHANGE: f64 = 0.012;
 /// Changes of brightness in both pictures must correlate so far.
-const LEAST_CORRELATION: f64 = 0.95;
+const LEAST_CORRELATION: f64 = 0.995;
 /// A contrast farther from 1 is no tone curve.
 const MOST_CONTRAST: f64 = 2.0;
 
@@ -41,7 +43,9 @@ pub(super) fn matched(near: &Image, far: &Image, largest_blur_px: f64) -> Matche
     let (width, height) = (near.width(), near.height());
     let rows = Planes { width, planes: [near.pixels(), far.pixels()] };
     let means = Means::over(&rows, width, height, WINDOW_PX.max(WINDOW_BLURS * largest_blur_px));
-    let contrast = contrast(&means);
+    // Light that full scale cuts off changes brightness as no tone curve does.
+    let clipped = [near, far].iter().any(|image| image.pixels().iter().any(|&level| level >= FULL_SCALE));
+    let contrast = if clipped { 1.0 } else { contrast(&means) };
     let [near, there] = &means.planes;
     let raised = |level: f32| level.max(0.0) + PEDESTAL;
     // What a level of 1 becomes: n̄/f̄^k.
