@@ -4,8 +4,8 @@
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::imaging::{Frame, Image};
 use landmarkd_core::recognition::objects::{
-    Dimension, Normaliser, ObjectOptions, Objects, Recognition, Stages, TrainingReport, View, ViewName,
-    is_trial, train,
+    AppearanceOf, Dimension, Normaliser, ObjectOptions, Objects, Recognition, Stages, TrainingReport, View,
+    ViewName, is_trial, train,
 };
 use landmarkd_core::statistics::quantile_nearest;
 
@@ -190,7 +190,7 @@ fn the_rate_rises_with_the_dimension() {
     ] {
         let rates = [4, 8, 12, 15, 20, 36].map(|dimension| {
             let options =
-                ObjectOptions { stages, dimension: Dimension::Fixed(dimension), ..ObjectOptions::default() };
+                ObjectOptions { stages, dimension: Dimension::Fixed(dimension), ..ObjectOptions::of(AppearanceOf::Intensity) };
             let (model, _) = trained(&pictures, 0..OBJECTS, every, &options);
             let outcome = Outcome::of(&model, &pictures, every, as_it_is);
             println!(
@@ -278,7 +278,7 @@ fn the_papers_experiment_needs_few_dimensions() {
         let options = ObjectOptions {
             stages: Stages::UniversalOnly,
             dimension: Dimension::Fixed(dimension),
-            ..ObjectOptions::default()
+            ..ObjectOptions::of(AppearanceOf::Intensity)
         };
         let (model, _) = trained(&pictures, 0..5, 2, &options);
         let outcome = Outcome::of(&model, &pictures, 2, as_it_is);

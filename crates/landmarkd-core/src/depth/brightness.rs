@@ -19,6 +19,8 @@ const ACROSS: f64 = 2.0;
 const PEDESTAL: f32 = 1.0;
 /// Gray levels from here on are cut off.
 const FULL_SCALE: f32 = 254.5;
+/// This part of the pixels is no loss.
+const CLIPPED_PART: f64 = 0.001;
 /// A contrast nearer to 1 is left: scenes that are all near or all far show as much.
 const LEAST_CONTRAST: f64 = 0.02;
 /// Root of the mean square of the far picture's relative changes of brightness, at least: what blur does to less of them
@@ -44,8 +46,7 @@ pub(super) fn matched(near: &Image, far: &Image, largest_blur_px: f64) -> Matche
     let rows = Planes { width, planes: [near.pixels(), far.pixels()] };
     let means = Means::over(&rows, width, height, WINDOW_PX.max(WINDOW_BLURS * largest_blur_px));
     // Light that full scale cuts off changes brightness as no tone curve does.
-    let clipped = [near, far].iter().any(|image| image.pixels().iter().any(|&level| level >= FULL_SCALE));
-    let contrast = if clipped { 1.0 } else { contrast(&means) };
+    let contrast = if [near, far].into_iter().any(is_clipped) { 1.0 } else { contrast(&means) };
     let [near, there] = &means.planes;
     let raised = |level: f32| level.max(0.0) + PEDESTAL;
     // What a level of 1 becomes: n̄/f̄^k.
@@ -75,6 +76,12 @@ pub(super) fn matched(near: &Image, far: &Image, largest_blur_px: f64) -> Matche
         }
     }
     Matched { far: out, gain, contrast }
+}
+
+/// Whether full scale cuts off more than single pixels of a picture.
+fn is_clipped(image: &Image) -> bool {
+    let clipped = image.pixels().iter().filter(|&&level| level >= FULL_SCALE).count();
+    clipped as f64 > CLIPPED_PART * image.pixels().len() as f64
 }
 
 /// By how much more the near picture's brightness changes across itself than the far one's, both relative to what they
