@@ -45,8 +45,8 @@ export function candidates(answer) {
       h("td", {class: "n"}, number(candidate.distance_from_space, 3)),
       hasMahalanobis && h("td", {class: "n"}, number(candidate.mahalanobis, 3)));
   };
-  const heads = ["Object", "", isAligned ? "Explained" : "Distance", isAligned ? "Accepted from" : "Accepted to", "", "In space", "From space",
-    ...(hasMahalanobis ? ["Mahalanobis"] : [])];
+  const judged = isAligned ? ["Explained", "Accepted from"] : ["Distance", "Accepted to"];
+  const heads = ["Object", "", ...judged, "", "In space", "From space", ...(hasMahalanobis ? ["Mahalanobis"] : [])];
   const residual = first.distance_from_space;
   return [
     h("div", {class: "scroll", tabindex: "0", role: "region", "aria-label": "Candidates"}, h("table", {id: "try-candidates"},

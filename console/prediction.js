@@ -11,7 +11,8 @@ export function predictionCard(optics, signal) {
   const form = h("form", {onSubmit: (event) => event.preventDefault()}, h("div", {class: "fields"},
     numberField("From, mm", "range_from", undefined, {min: 0, hint: "Empty: the near focus."}),
     numberField("To, mm", "range_to", undefined, {min: 0, hint: "Empty: the far focus."}),
-    numberField("Contrast of the texture", "contrast", 40, {min: 0, hint: "Standard deviation in gray levels of 255: 40 is gravel, 10 is faint."}),
+    numberField("Contrast of the texture", "contrast", 40,
+      {min: 0, hint: "Standard deviation in gray levels of 255: 40 is gravel, 10 is faint."}),
     numberField("Noise of a pixel", "noise_sigma", 1, {min: 0, hint: "Standard deviation in gray levels of 255."})));
   const fault = h("div", {});
   const result = h("div", {id: "prediction"});
