@@ -362,9 +362,9 @@ mod tests {
             assert!(answer.contains(option) && !options.to_document().contains(option), "{answer}");
         }
         let cut = Options::Objects(ObjectOptions { segment: true, ..Default::default() });
-        assert!(cut.to_document().contains(r#""resize":"fit","segment":true,"smoothing""#));
+        assert!(cut.to_document().contains(r#""resize":"fit","segment":true,"appearance""#));
         let answer = serde_json::to_string(&OptionsDocument::from(&cut)).unwrap();
-        assert!(answer.contains(r#""smoothing":0.0234375,"segment":true,"dimension""#), "{answer}");
+        assert!(answer.contains(r#""smoothing":0.01171875,"segment":true,"dimension""#), "{answer}");
     }
 
     #[test]

@@ -10,7 +10,7 @@
 /// How a database decides whether a picture shows a known object, and how sure it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Acceptance {
-    /// The distance of a query as a part of that of a held-out view, 0..=1.
+    /// The distance of a query, of gradients the error of its pose, as a part of that of a held-out view, 0..=1.
     pub distance_ratio: f64,
     /// The part of a residual that is along the manifold and so shifts the pose, 0..=1.
     pub tangential_part: f64,

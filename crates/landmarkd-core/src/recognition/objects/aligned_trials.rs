@@ -43,7 +43,7 @@ fn trial(
         .flat_map(|own| model.ranked_by_alignment(field, Reach::Near, std::slice::from_ref(own), all_views))
         .next();
     // Where the view itself was learnt nothing is interpolated, and the disturbance alone takes away.
-    let expected = own.zip(learnt).map(|(own, learnt)| {
+    let expected = own.zip(learnt.as_ref()).map(|(own, learnt)| {
         let [held_out, learnt] = [own.relative, learnt.relative].map(explained_part);
         unexplained_ratio(held_out.max(learnt - gap_ratio * (learnt - held_out)))
     });
@@ -53,14 +53,24 @@ fn trial(
         is_likely: own.is_some(),
         other: ranked.iter().find(|ranked| ranked.object != object).map(RankedObject::near),
         own_is_first: if model.covariance_decides() { first } else { None },
-        pose_ratio: own.and_then(|own| pose_ratio(own, points.poses_deg[view]?)),
+        pose_ratio: own
+            .zip(learnt.as_ref())
+            .and_then(|(own, learnt)| pose_ratio(own, learnt, points.poses_deg[view]?, gap_ratio)),
     }
 }
 
-fn pose_ratio(own: &RankedObject, pose_deg: f64) -> Option<f64> {
-    let fit = own.fit.as_ref()?;
-    let error_deg = angular_distance_deg(fit.turn_deg?, pose_deg);
-    (fit.turn_sigma_deg.is_finite() && fit.turn_sigma_deg > 0.0).then(|| error_deg / fit.turn_sigma_deg)
+/// The error of the pose over the deviation that the fit gives, both as a query has them: an error falls with the square of
+/// what a distance does when the gap halves.
+fn pose_ratio(held_out: &RankedObject, learnt: &RankedObject, pose_deg: f64, gap_ratio: f64) -> Option<f64> {
+    let error_and_sigma_deg = |ranked: &RankedObject| {
+        let fit = ranked.fit.as_ref()?;
+        let error_deg = angular_distance_deg(fit.turn_deg?, pose_deg);
+        fit.turn_sigma_deg.is_finite().then_some([error_deg, fit.turn_sigma_deg])
+    };
+    let (held_out, learnt) = (error_and_sigma_deg(held_out)?, error_and_sigma_deg(learnt)?);
+    let expected = |k: usize, ratio: f64| learnt[k] + ratio * (held_out[k] - learnt[k]).max(0.0);
+    let sigma_deg = expected(1, gap_ratio);
+    (sigma_deg > 0.0).then(|| expected(0, gap_ratio * gap_ratio) / sigma_deg)
 }
 
 /// The other views of a view's object; `None` if there are none.
