@@ -53,21 +53,33 @@ fn trial(
         is_likely: own.is_some(),
         other: ranked.iter().find(|ranked| ranked.object != object).map(RankedObject::near),
         own_is_first: if model.covariance_decides() { first } else { None },
-        pose_ratio: own
-            .zip(learnt.as_ref())
-            .and_then(|(own, learnt)| pose_ratio(own, learnt, points.poses_deg[view]?, gap_ratio)),
+        pose_ratio: own.zip(learnt.as_ref()).and_then(|(own, learnt)| {
+            let pose_deg = points.poses_deg[view]?;
+            let gap_deg = others.as_ref()?.gap_deg(pose_deg)?;
+            pose_ratio(own, learnt, pose_deg, gap_deg, gap_ratio)
+        }),
     }
 }
 
 /// The error of the pose over the deviation that the fit gives, both as a query has them: an error falls with the square of
-/// what a distance does when the gap halves.
-fn pose_ratio(held_out: &RankedObject, learnt: &RankedObject, pose_deg: f64, gap_ratio: f64) -> Option<f64> {
+/// what a distance does when the gap halves. `None` where the pose was found outside its gap: that is another side of the
+/// object, of which the deviation says nothing.
+fn pose_ratio(
+    held_out: &RankedObject,
+    learnt: &RankedObject,
+    pose_deg: f64,
+    gap_deg: f64,
+    gap_ratio: f64,
+) -> Option<f64> {
     let error_and_sigma_deg = |ranked: &RankedObject| {
         let fit = ranked.fit.as_ref()?;
         let error_deg = angular_distance_deg(fit.turn_deg?, pose_deg);
         fit.turn_sigma_deg.is_finite().then_some([error_deg, fit.turn_sigma_deg])
     };
     let (held_out, learnt) = (error_and_sigma_deg(held_out)?, error_and_sigma_deg(learnt)?);
+    if held_out[0].max(learnt[0]) > gap_deg / 2.0 {
+        return None;
+    }
     let expected = |k: usize, ratio: f64| learnt[k] + ratio * (held_out[k] - learnt[k]).max(0.0);
     let sigma_deg = expected(1, gap_ratio);
     (sigma_deg > 0.0).then(|| expected(0, gap_ratio * gap_ratio) / sigma_deg)

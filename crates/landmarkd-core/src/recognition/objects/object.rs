@@ -126,6 +126,12 @@ impl ViewSet {
         (count > 0).then(|| ((after + count - 1) % count, after % count))
     }
 
+    /// From the pose of a view before a pose to that of the one after it; `None` without any.
+    pub fn gap_deg(&self, pose_deg: f64) -> Option<f64> {
+        let (before, after) = self.neighbours(pose_deg)?;
+        Some((self.poses_deg[after] - self.poses_deg[before]).rem_euclid(360.0))
+    }
+
     /// The distance of a point from the curve between the views before and after a pose: the error of interpolation
     /// there, though the object may look much the same elsewhere.
     pub fn distance_in_gap(&self, point: &[f32], from_space: f64, pose_deg: f64) -> Option<GapDistance> {
