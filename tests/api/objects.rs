@@ -215,7 +215,7 @@ async fn a_training_reports_rates_poses_gaps_and_repeats() {
     assert!(rates.iter().all(|other| other["right"].as_u64() <= rate(dimension)), "{rates:#?}");
     let held_out = &report["held_out"];
     let of = |name: &str| held_out[name].as_u64().unwrap();
-    assert!(of("known") >= 66 && of("known_right") * 10 >= of("known") * 9, "{held_out:#}");
+    assert!(of("known") >= 66 && of("known_right") * 10 >= of("known") * 8, "{held_out:#}");
     assert!(of("unknown_refused") * 2 > of("unknown"), "{held_out:#}");
     let labels: Vec<_> =
         report["objects"].as_array().unwrap().iter().map(|object| &object["label"]).collect();
@@ -321,7 +321,7 @@ async fn a_database_of_objects_tells_its_options_and_takes_others() {
         (of("smoothing"), of("colour"), of("accept")),
         (json!(3.0 / 128.0), json!("gray"), json!(0.97))
     );
-    let coloured = json!({"kind": "objects", "options": {"colour": "opponent"}});
+    let coloured = json!({"kind": "objects", "options": {"appearance": "intensity", "colour": "opponent"}});
     let problem = app.put(SHELF, coloured).await.expect_problem(422, "invalid_field");
     assert_eq!(problem["errors"][0]["pointer"], "/options/colour");
 }

@@ -258,16 +258,32 @@ impl Aligner<'_> {
         Jacobian { columns }
     }
 
+    /// By unknown of the place: what one standard deviation away costs. A turn in the plane that looks like the object's own, as
+    /// that of a part seen from above does, is left to the pose.
+    fn priors(&self, at: &Estimate, jacobian: &Jacobian) -> [f64; 4] {
+        let mut priors = [self.prior(); 4];
+        if let [.., turn, pose] = &jacobian.columns[..]
+            && jacobian.columns.len() == UNKNOWNS
+        {
+            let product = |a, b| weighted_product(&at.weights, a, b, self.counts_colours());
+            let (energy, both) = (product(turn, turn), product(turn, pose));
+            let likeness = both * both / (energy * product(pose, pose)).max(f64::MIN_POSITIVE);
+            priors[3] += energy * likeness.powi(4) / (1.0 - likeness).max(1e-3);
+        }
+        priors
+    }
+
     /// JᵀWJ with the prior on the place.
     fn normal(&self, at: &Estimate, jacobian: &Jacobian) -> Option<Symmetric> {
         let (columns, colours) = (&jacobian.columns, self.counts_colours());
         let count = columns.len();
+        let priors = self.priors(at, jacobian);
         let mut normal = vec![0.0; count * count];
         for a in 0..count {
             for b in 0..=a {
                 normal[a * count + b] = weighted_product(&at.weights, &columns[a], &columns[b], colours);
             }
-            normal[a * count + a] += if a < 4 { self.prior() } else { 0.0 };
+            normal[a * count + a] += priors.get(a).copied().unwrap_or(0.0);
         }
         Symmetric::of(&normal, count)
     }
@@ -275,10 +291,11 @@ impl Aligner<'_> {
     /// The change of the unknowns: 0 for a turn that there is not.
     fn step(&self, at: &Estimate, jacobian: &Jacobian) -> Option<[f64; UNKNOWNS]> {
         let residual = self.residual(at);
+        let priors = self.priors(at, jacobian);
         let right: Vec<f64> = (jacobian.columns.iter().enumerate())
             .map(|(k, column)| {
                 let slope = weighted_product(&at.weights, column, &residual, self.counts_colours());
-                -slope - at.unknowns.get(k).map_or(0.0, |v| self.prior() * v)
+                -slope - at.unknowns.get(k).map_or(0.0, |v| priors[k] * v)
             })
             .collect();
         let solved = self.normal(at, jacobian)?.solve(&right);
