@@ -82,7 +82,10 @@ def test_options_and_their_faults_are_the_services(client: Client, pair: tuple[n
 def test_an_optics_is_judged_before_it_is_built(client: Client) -> None:
     prediction = client.predict(OPTICS, contrast=30)
     assert len(prediction.distances) == 41
-    nearest, farthest = prediction.working_range_mm
-    assert nearest < farthest and prediction.advice
+    working_range_mm = prediction.working_range_mm
+    assert isinstance(working_range_mm, list)
+    nearest, farthest = working_range_mm
+    assert nearest < farthest
+    assert prediction.advice
     with pytest.raises(Problem):
         client.predict(OPTICS, range_mm=(900, 600))
