@@ -5,11 +5,11 @@
 //! light, as the lightness and the opponent axes of CIE L*a*b* are; and a difference is measured by the ground's own
 //! deviation along each plane, so that their scales don't matter.
 
-use super::Picture;
 use super::ground::Ground;
 use super::holes::fill_dark_holes;
 use super::options::{Polarity, SegmentationOptions};
 use super::shadows::{GroundedPlane, Shadows, take_out_shadows};
+use super::{Picture, Scene};
 use crate::imaging::Image;
 
 /// The chosen offset in standard deviations of the background.
@@ -71,7 +71,7 @@ pub struct Noise {
 
 impl Foreground {
     /// By the ground about each pixel.
-    pub fn of(picture: Picture, options: &SegmentationOptions) -> Foreground {
+    pub fn of(picture: Picture, options: &SegmentationOptions, scene: Scene) -> Foreground {
         let (width, height) = (picture.luminance.width(), picture.luminance.height());
         let window = options.window_px.unwrap_or(width.min(height) / WINDOWS_A_SIDE);
         let colours = match (options.polarity, picture.rgb) {
@@ -80,7 +80,7 @@ impl Foreground {
         };
         let planes: Vec<&[f32]> =
             [picture.luminance.pixels()].into_iter().chain(colours.iter().map(Vec::as_slice)).collect();
-        let ground = Ground::of(&planes, width, window, options.polarity); // B§3
+        let ground = Ground::of(&planes, width, window, options.polarity, scene); // B§3
         let differences = Differences::of(&planes, &ground, width, options.offset.is_none());
         let (excess, offsets) = differences.excess(&ground, width, options);
         let mut mask = differences.mask(&excess, width);
@@ -335,7 +335,7 @@ mod tests {
     use crate::vision::segmentation::segmented;
 
     fn foreground(picture: &Image) -> Foreground {
-        Foreground::of(picture.into(), &SegmentationOptions::default())
+        Foreground::of(picture.into(), &SegmentationOptions::default(), Scene::Table)
     }
 
     /// A table of one level with noise, and a square part that differs from it.
@@ -368,7 +368,7 @@ mod tests {
         let ratio = offset(&whole) / offset(&tenth);
         assert!((ratio - 10.0).abs() < 0.2, "{ratio}");
         let stated = SegmentationOptions { offset: Some(33.0), ..SegmentationOptions::default() };
-        assert_eq!(Foreground::of((&whole).into(), &stated).noise.offset, 33.0);
+        assert_eq!(Foreground::of((&whole).into(), &stated, Scene::Table).noise.offset, 33.0);
     }
 
     #[test]
@@ -392,7 +392,7 @@ mod tests {
         // 0.299 · 60 − 0.587 · 22 − 0.114 · 44 = 0
         let frame = Frame::colour([plane(60.0), plane(-22.0), plane(-44.0)]);
         assert_eq!(segmented(&frame.luminance, &SegmentationOptions::default()).found, 0);
-        let seen = Foreground::of((&frame).into(), &SegmentationOptions::default());
+        let seen = Foreground::of((&frame).into(), &SegmentationOptions::default(), Scene::Table);
         assert_eq!(seen.mask.iter().filter(|&&v| v == 1).count(), 900);
     }
 

@@ -4,8 +4,10 @@
 //! First by blocks: the ground is what changes smoothly from block to block and has most of the picture and of its
 //! border; a quadratic surface through it also says what is beneath a part larger than any window. Then, in a window
 //! about each block, the mean of what is near that surface corrects it; last, the same by pixels, with their standard
-//! deviation.
+//! deviation. Where one object may fill most of the picture, the ground is what most of its border shows, and of that the
+//! corners count most, whether or not these are connected.
 
+use super::Scene;
 use super::blocks::Blocks;
 use super::options::Polarity;
 use crate::statistics::quantile_nearest;
@@ -19,6 +21,8 @@ const SMOOTH_DEVIATIONS: [f32; 5] = [4.0, 2.8, 2.0, 1.4, 1.0];
 const UNEVEN_PART: f32 = 0.1;
 /// What the border shows counts so many times what the area shows.
 const BORDER_WEIGHT: f32 = 2.0;
+/// Surfaces at the border of one object's picture are one ground if their means differ by at most this part of the range.
+const SAME_PART: f32 = 0.04;
 /// Blocks within so many standard deviations of the surface are ground.
 const BLOCK_DEVIATIONS: f32 = 3.5;
 /// Pixels within so many are; the standard deviation of what is left of a normal distribution is that part of it.
@@ -41,8 +45,9 @@ const GROUND_NEIGHBOURS: f64 = 0.25;
 const GROUND_NEIGHBOURS_SIGMAS: f32 = 0.319;
 /// The range is between these parts of the picture's pixels.
 const RANGE_PART: f64 = 0.001;
-/// A term of the surface of which less is orthogonal to those before it isn't determined by the ground.
-const LEAST_REST: f64 = 1e-9;
+/// A term of the surface of which a smaller part is orthogonal to those before it isn't determined by the ground: of a
+/// square in a picture that is all ground it is 0.44, in one whose corners alone are ground next to nothing.
+const LEAST_REST: f64 = 0.05;
 
 /// The ground of a picture of one or several planes.
 pub(super) struct Ground {
@@ -69,14 +74,15 @@ pub(super) struct Surface {
 
 impl Ground {
     /// Of planes of `width` pixels a row, the first one the luminance, corrected in windows of `window` pixels.
-    pub fn of(planes: &[&[f32]], width: usize, window: usize, polarity: Polarity) -> Ground {
+    pub fn of(planes: &[&[f32]], width: usize, window: usize, polarity: Polarity, scene: Scene) -> Ground {
         let height = planes[0].len() / width.max(1);
         let blocks = Blocks::new(width, height);
         let means: Vec<Vec<f32>> = planes.iter().map(|plane| blocks.means(plane)).collect();
         let range = planes.iter().map(|plane| range(plane, width)).fold(0.0, f32::max);
         let mut is_ground = vec![];
         for deviations in SMOOTH_DEVIATIONS {
-            is_ground = seed(&blocks, &means, range, deviations, polarity);
+            let surfaces = SmoothSurfaces::of(&blocks, &means, range, deviations, scene);
+            is_ground = surfaces.ground(&blocks, &means, range, polarity, scene);
             let is_even = means.iter().all(|means| {
                 let surface = quadratic(&blocks, means, &is_ground);
                 let residuals: Vec<f32> =
@@ -205,75 +211,152 @@ fn windowed(blocks: &Blocks, window: usize, sums: &[f32], weights: &[f32], whole
     sums.into_iter().zip(weights).map(mean).collect()
 }
 
-/// The blocks of the largest smooth surface, by its part of the picture and of the border.
-fn seed(blocks: &Blocks, means: &[Vec<f32>], range: f32, deviations: f32, polarity: Polarity) -> Vec<bool> {
-    let (columns, rows) = (blocks.columns, blocks.rows);
-    let steps: Vec<Step> = REACHES
-        .iter()
-        .flat_map(|&reach| [(reach, 0), (0, reach)])
-        .filter(|&(dx, dy)| dx < columns && dy < rows)
-        .map(|(dx, dy)| {
-            let limits = means.iter().map(|means| {
-                let mut apart: Vec<f32> = (0..(rows - dy) * (columns - dx))
-                    .map(|k| k / (columns - dx) * columns + k % (columns - dx))
-                    .map(|block| (means[block + dy * columns + dx] - means[block]).abs())
-                    .collect();
-                let common = quantile_nearest(&mut apart, GROUND_NEIGHBOURS, f32::total_cmp).unwrap_or(0.0);
-                deviations * common / GROUND_NEIGHBOURS_SIGMAS + SMOOTH_PART * range
-            });
-            Step { dx, dy, limits: limits.collect() }
-        })
-        .collect();
-    let border = 2.0 * (columns + rows) as f32;
-    let mut surface = vec![0_u32; blocks.count()];
-    let (mut number, mut best, mut best_share) = (0, 0, 0.0);
-    let mut waiting = Vec::new();
-    for first in 0..blocks.count() {
-        if surface[first] != 0 {
-            continue;
-        }
-        number += 1;
-        surface[first] = number;
-        waiting.push(first);
-        let (mut share, mut sum, mut count) = (0.0, 0.0, 0);
-        while let Some(block) = waiting.pop() {
-            share += 1.0 / blocks.count() as f32;
-            sum += means[0][block];
-            count += 1;
-            if blocks.is_at_border(block) {
-                share += BORDER_WEIGHT / border;
+/// The blocks of a picture divided into surfaces within which neighbours differ little.
+struct SmoothSurfaces {
+    /// By block: the number of its surface.
+    of_block: Vec<usize>,
+    surfaces: Vec<SmoothSurface>,
+}
+
+/// See [`SmoothSurfaces`].
+#[derive(Default)]
+struct SmoothSurface {
+    blocks: f32,
+    border_blocks: f32,
+    /// The sum of |x·y| over its blocks at the border: of those at the corners most.
+    corner_blocks: f32,
+    /// Plane by plane, the sum of its blocks' means.
+    sums: Vec<f32>,
+}
+
+impl SmoothSurface {
+    fn level(&self, plane: usize) -> f32 {
+        self.sums[plane] / self.blocks
+    }
+}
+
+impl SmoothSurfaces {
+    /// What neighbours commonly differ by is told from the whole of a table, and from the border of one object's picture.
+    fn of(blocks: &Blocks, means: &[Vec<f32>], range: f32, deviations: f32, scene: Scene) -> SmoothSurfaces {
+        let (columns, rows) = (blocks.columns, blocks.rows);
+        let steps: Vec<Step> = REACHES
+            .iter()
+            .flat_map(|&reach| [(reach, 0), (0, reach)])
+            .filter(|&(dx, dy)| dx < columns && dy < rows)
+            .map(|(dx, dy)| {
+                let limits = means.iter().map(|means| {
+                    let mut apart: Vec<f32> = (0..(rows - dy) * (columns - dx))
+                        .map(|k| k / (columns - dx) * columns + k % (columns - dx))
+                        .filter(|&block| {
+                            let other = block + dy * columns + dx;
+                            scene == Scene::Table || blocks.is_at_border(block) && blocks.is_at_border(other)
+                        })
+                        .map(|block| (means[block + dy * columns + dx] - means[block]).abs())
+                        .collect();
+                    let common =
+                        quantile_nearest(&mut apart, GROUND_NEIGHBOURS, f32::total_cmp).unwrap_or(0.0);
+                    deviations * common / GROUND_NEIGHBOURS_SIGMAS + SMOOTH_PART * range
+                });
+                Step { dx, dy, limits: limits.collect() }
+            })
+            .collect();
+        const NONE: usize = usize::MAX;
+        let (mut of_block, mut surfaces, mut waiting) = (vec![NONE; blocks.count()], vec![], vec![]);
+        for first in 0..blocks.count() {
+            if of_block[first] != NONE {
+                continue;
             }
-            let (x, y) = (block % columns, block / columns);
-            for Step { dx, dy, limits } in &steps {
-                let by = dy * columns + dx;
-                let after = (x + dx < columns && y + dy < rows).then(|| block + by);
-                let before = (x >= *dx && y >= *dy).then(|| block - by);
-                for other in after.into_iter().chain(before) {
-                    let is_near = (means.iter().zip(limits))
-                        .all(|(means, limit)| (means[other] - means[block]).abs() <= *limit);
-                    if is_near && surface[other] == 0 {
-                        surface[other] = number;
-                        waiting.push(other);
+            let number = surfaces.len();
+            let mut surface = SmoothSurface { sums: vec![0.0; means.len()], ..SmoothSurface::default() };
+            of_block[first] = number;
+            waiting.push(first);
+            while let Some(block) = waiting.pop() {
+                surface.blocks += 1.0;
+                surface.sums.iter_mut().zip(means).for_each(|(sum, means)| *sum += means[block]);
+                if blocks.is_at_border(block) {
+                    let [x, y] = blocks.position(block);
+                    surface.border_blocks += 1.0;
+                    surface.corner_blocks += (x * y).abs() as f32;
+                }
+                let (x, y) = (block % columns, block / columns);
+                for Step { dx, dy, limits } in &steps {
+                    let by = dy * columns + dx;
+                    let after = (x + dx < columns && y + dy < rows).then(|| block + by);
+                    let before = (x >= *dx && y >= *dy).then(|| block - by);
+                    for other in after.into_iter().chain(before) {
+                        let is_near = (means.iter().zip(limits))
+                            .all(|(means, limit)| (means[other] - means[block]).abs() <= *limit);
+                        if is_near && of_block[other] == NONE {
+                            of_block[other] = number;
+                            waiting.push(other);
+                        }
                     }
                 }
             }
+            surfaces.push(surface);
         }
-        if share > best_share {
-            // What is on the wrong side of it can't be parts.
-            let (level, limit) = (sum / count as f32, UNEVEN_PART * range);
+        SmoothSurfaces { of_block, surfaces }
+    }
+
+    /// The blocks of the ground. Of a table: of the surface with most of the picture and of its border. Of one object's
+    /// picture: of the surfaces of one level with most of the border. What is on the wrong side of it can't be parts.
+    fn ground(
+        &self,
+        blocks: &Blocks,
+        means: &[Vec<f32>],
+        range: f32,
+        polarity: Polarity,
+        scene: Scene,
+    ) -> Vec<bool> {
+        let border = 2.0 * (blocks.columns + blocks.rows) as f32;
+        let share = |surface: &SmoothSurface| match scene {
+            Scene::Table => {
+                surface.blocks / blocks.count() as f32 + BORDER_WEIGHT * surface.border_blocks / border
+            }
+            Scene::OneObject => self.alike(surface, range).map(|other| other.corner_blocks / border).sum(),
+        };
+        let rightness = |surface: &SmoothSurface| {
+            let (level, limit) = (surface.level(0), UNEVEN_PART * range);
             let is_wrong = |mean: f32| match polarity {
                 Polarity::Either => false,
                 Polarity::LightOnDark => mean < level - limit,
                 Polarity::DarkOnLight => mean > level + limit,
             };
             let wrong = means[0].iter().filter(|&&mean| is_wrong(mean)).count();
-            share *= (1.0 - wrong as f32 / blocks.count() as f32).powi(4);
+            (1.0 - wrong as f32 / blocks.count() as f32).powi(4)
+        };
+        let (mut best, mut best_share) = (&self.surfaces[0], 0.0);
+        for surface in
+            self.surfaces.iter().filter(|surface| surface.border_blocks > 0.0 || scene == Scene::Table)
+        {
+            let most = share(surface);
+            if most > best_share {
+                let share = most * rightness(surface);
+                if share > best_share {
+                    (best, best_share) = (surface, share);
+                }
+            }
         }
-        if share > best_share {
-            (best, best_share) = (number, share);
-        }
+        let is_ground = |surface: &SmoothSurface| match scene {
+            Scene::Table => std::ptr::eq(surface, best),
+            Scene::OneObject => self.alike(best, range).any(|other| std::ptr::eq(surface, other)),
+        };
+        let is_ground: Vec<bool> = self.surfaces.iter().map(is_ground).collect();
+        self.of_block.iter().map(|&number| is_ground[number]).collect()
     }
-    surface.into_iter().map(|number| number == best).collect()
+
+    /// The surfaces at the border whose level is that of one.
+    fn alike<'a>(
+        &'a self,
+        surface: &'a SmoothSurface,
+        range: f32,
+    ) -> impl Iterator<Item = &'a SmoothSurface> {
+        let is_alike = move |other: &&SmoothSurface| {
+            let mut planes = 0..other.sums.len();
+            planes.all(|plane| (other.level(plane) - surface.level(plane)).abs() <= SAME_PART * range)
+        };
+        self.surfaces.iter().filter(|other| other.border_blocks > 0.0).filter(is_alike)
+    }
 }
 
 /// From a block to another one, and by how much they may differ, plane by plane.
@@ -338,7 +421,7 @@ mod tests {
             .map(|at| (at % width, at / width))
             .map(|(x, y)| part(x, y).unwrap_or_else(|| table(x, y)))
             .collect();
-        let ground = Ground::of(&[&levels], width, height / 3, polarity);
+        let ground = Ground::of(&[&levels], width, height / 3, polarity, Scene::Table);
         let above = ground.differences(&levels, &ground.surfaces[0].levels);
         (ground, levels.iter().zip(above).map(|(v, above)| v - above).collect())
     }

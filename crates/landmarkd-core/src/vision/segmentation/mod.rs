@@ -144,20 +144,29 @@ impl Segmentation {
     }
 }
 
-/// The regions of a picture, with options that have no faults.
-pub fn segmented<'a>(picture: impl Into<Picture<'a>>, options: &SegmentationOptions) -> Segmentation {
-    regions(picture.into(), options, options.threshold == Threshold::Adaptive)
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scene {
+    /// Parts on a ground that most of the picture shows: some may touch, and lines may be drawn on it.
+    Table,
+    /// An object that may fill most of it.
+    OneObject,
 }
 
-/// The regions of a picture; those of a `table` without lines, and divided where several parts touch.
-fn regions(picture: Picture, options: &SegmentationOptions, table: bool) -> Segmentation {
+/// The regions of a picture, with options that have no faults.
+pub fn segmented<'a>(picture: impl Into<Picture<'a>>, options: &SegmentationOptions) -> Segmentation {
+    regions(picture.into(), options, Scene::Table)
+}
+
+fn regions(picture: Picture, options: &SegmentationOptions, scene: Scene) -> Segmentation {
     let (width, height) = (picture.luminance.width(), picture.luminance.height());
-    let Told { components, above, shadows, noise } = told(picture, options); // B§3, threshold and labelling
+    let Told { components, above, shadows, noise } = told(picture, options, scene); // B§3, threshold and labelling
     let of_noise = noise.map(|noise| noise.least_area_px);
     let least_area_px =
         options.min_area_px.or(of_noise).unwrap_or((width * height / SMALLEST_PART).max(SMALLEST_PX));
     let mut left_out = LeftOut { least_area_px, shadows, ..LeftOut::default() };
-    let mut parts = parts(components, (width, height), table, &mut left_out);
+    let is_table = scene == Scene::Table && options.threshold == Threshold::Adaptive;
+    let mut parts = parts(components, (width, height), is_table, &mut left_out);
     let found = parts.len();
     parts.sort_by_key(|part| Reverse(area_px(&part.runs))); // stable
     parts.truncate(options.max_objects);
@@ -183,18 +192,18 @@ struct Part {
     pieces: Vec<Vec<Run>>,
 }
 
-/// The components that are parts: large enough, and on a `table` without lines, and divided where several touch.
+/// The components that are parts: large enough, and of a table without lines, and divided where several touch.
 fn parts(
     components: Vec<Vec<Run>>,
     (width, height): (usize, usize),
-    table: bool,
+    is_table: bool,
     left_out: &mut LeftOut,
 ) -> Vec<Part> {
     let mut parts = Vec::new();
     let (large, small): (Vec<_>, Vec<_>) =
         components.into_iter().partition(|runs| area_px(runs) >= left_out.least_area_px);
     for component in large {
-        if !table {
+        if !is_table {
             parts.push(Part { runs: component, pieces: vec![] });
             continue;
         }
@@ -249,7 +258,7 @@ pub fn segmented_from_near<'a>(
     let shorter_px = picture.luminance.width().min(picture.luminance.height()).clamp(3, MAX_WINDOW_PX);
     let options =
         SegmentationOptions { window_px: options.window_px.or(Some(shorter_px)), ..options.clone() };
-    regions(picture, &options, false)
+    regions(picture, &options, Scene::OneObject)
 }
 
 /// What is told from the background.
@@ -261,7 +270,7 @@ struct Told {
     noise: Option<Noise>,
 }
 
-fn told(picture: Picture, options: &SegmentationOptions) -> Told {
+fn told(picture: Picture, options: &SegmentationOptions, scene: Scene) -> Told {
     let width = picture.luminance.width();
     if options.threshold != Threshold::Adaptive {
         let (mask, above) = divided(picture.luminance, options);
@@ -269,7 +278,7 @@ fn told(picture: Picture, options: &SegmentationOptions) -> Told {
         let components = by_component(runs.into_iter(), count);
         return Told { components, above, shadows: Shadows::default(), noise: None };
     }
-    let Foreground { mask, core, excess, above, shadows, noise } = Foreground::of(picture, options);
+    let Foreground { mask, core, excess, above, shadows, noise } = Foreground::of(picture, options, scene);
     let (runs, count) = components(&mask, width, Touching::Corners);
     let mut sums = vec![(0.0, 0); count];
     for run in &runs {
