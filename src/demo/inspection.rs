@@ -400,7 +400,9 @@ mod tests {
     use super::*;
     use crate::demo::client::{AnsweredPose, Decision, Recognition, Region};
     use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
+    use landmarkd_core::recognition::objects::{
+        Normaliser, ObjectOptions, View, ViewName, common_step_deg, train,
+    };
     use landmarkd_core::vision::segmentation::SegmentationOptions;
     use landmarkd_core::workcell::{Correspondence, Mapping, Workcell};
 
@@ -463,8 +465,11 @@ mod tests {
     /// The core's answers about the overview, with its default options.
     fn core_answers(parts: &[Part]) -> Vec<InspectedPart> {
         let options = ObjectOptions { segment: true, ..ObjectOptions::default() };
-        let normaliser = Normaliser::new(&options, (VIEW_PX as u32, VIEW_PX as u32));
-        let views = views().into_iter().enumerate().map(|(n, view)| {
+        let views = views();
+        let posed = views.iter().map(|view| (view.label.as_str(), view.pose_deg));
+        let normaliser =
+            Normaliser::new(&options, (VIEW_PX as u32, VIEW_PX as u32)).with_step_deg(common_step_deg(posed));
+        let views = views.into_iter().enumerate().map(|(n, view)| {
             let name = ViewName { id: n.to_string(), label: view.label, pose_deg: view.pose_deg };
             View::new(&normaliser, name, &frame(&view.png), true).unwrap()
         });

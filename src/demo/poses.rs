@@ -223,7 +223,9 @@ mod tests {
     use super::*;
     use crate::demo::client::Decision;
     use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-    use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
+    use landmarkd_core::recognition::objects::{
+        Normaliser, ObjectOptions, View, ViewName, common_step_deg, train,
+    };
 
     fn frame(png: &[u8]) -> Frame {
         decode(png, &DecodeLimits::default()).unwrap()
@@ -236,8 +238,11 @@ mod tests {
     /// The core's answers with its default options.
     fn core_answers(queries: &[PoseQuery]) -> Vec<Answered<'_>> {
         let options = ObjectOptions::default();
-        let normaliser = Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32));
-        let views = views().into_iter().enumerate().map(|(n, view)| {
+        let views = views();
+        let posed = views.iter().map(|view| (view.label.as_str(), view.pose_deg));
+        let normaliser =
+            Normaliser::new(&options, (SIDE_PX as u32, SIDE_PX as u32)).with_step_deg(common_step_deg(posed));
+        let views = views.into_iter().enumerate().map(|(n, view)| {
             let name = ViewName { id: n.to_string(), label: view.label, pose_deg: view.pose_deg };
             View::new(&normaliser, name, &frame(&view.png), true).unwrap()
         });

@@ -15,7 +15,7 @@ use crate::database::options::Options;
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::recognition::objects::{
     self, Normaliser, ObjectOptions, Objects, Pose, Recognition, TrainingError, TrainingReport, View,
-    ViewName, common_size, is_trial,
+    ViewName, common_size, common_step_deg, is_trial,
 };
 
 /// How well a trained database knew the objects of the queries.
@@ -164,7 +164,8 @@ fn train(
         Some((frame.width() as u32, frame.height() as u32))
     });
     let size_px = common_size(sizes).ok_or_else(|| failed(TrainingError::TooFew { views: 0 }))?;
-    let normaliser = Normaliser::new(options, size_px);
+    let posed = usable.iter().map(|(label, file)| (*label, file.pose_deg));
+    let normaliser = Normaliser::new(options, size_px).with_step_deg(common_step_deg(posed));
     let mut training_ms = 0.0;
     let mut views = Vec::new();
     let count = usable.len();

@@ -34,7 +34,7 @@ fn trained(
     every: usize,
     options: &ObjectOptions,
 ) -> (Objects, TrainingReport) {
-    let normaliser = Normaliser::new(options, (128, 128));
+    let normaliser = Normaliser::new(options, (128, 128)).with_step_deg(Some((STEP_DEG * every) as f64));
     let views = objects.flat_map(|object| (0..POSES).step_by(every).map(move |pose| (object, pose)));
     let views: Vec<(usize, usize)> = views.collect();
     let shown = views.iter().enumerate().map(|(place, &(object, pose))| {

@@ -10,7 +10,9 @@ use std::{env, fs};
 
 use anyhow::{Context, bail};
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
-use landmarkd_core::recognition::objects::{Normaliser, ObjectOptions, View, ViewName, train};
+use landmarkd_core::recognition::objects::{
+    Normaliser, ObjectOptions, View, ViewName, common_step_deg, train,
+};
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
@@ -19,18 +21,22 @@ fn main() -> anyhow::Result<()> {
     let picture = read(picture)?;
 
     // All pictures become vectors on one normaliser; here it has the size of the picture that is asked about.
-    let normaliser = Normaliser::new(&options, (picture.width() as u32, picture.height() as u32));
-    let mut learnt = Vec::new();
+    let mut names = Vec::new();
     for label in files(views)? {
         for view in files(&label)? {
-            let name = ViewName {
-                id: view.display().to_string(),
-                label: label.file_name().context("a label has a name")?.to_string_lossy().into_owned(),
-                pose_deg: pose_in_name(&view),
-            };
-            // All views are shown again, disturbed, for the confidence.
-            learnt.push(View::new(&normaliser, name, &read(&view)?, true)?);
+            let folder = label.file_name().context("a label has a name")?.to_string_lossy().into_owned();
+            let name =
+                ViewName { id: view.display().to_string(), label: folder, pose_deg: pose_in_name(&view) };
+            names.push((view, name));
         }
+    }
+    let step_deg = common_step_deg(names.iter().map(|(_, name)| (name.label.as_str(), name.pose_deg)));
+    let size_px = (picture.width() as u32, picture.height() as u32);
+    let normaliser = Normaliser::new(&options, size_px).with_step_deg(step_deg);
+    let mut learnt = Vec::new();
+    for (view, name) in names {
+        // All views are shown again, disturbed, for the confidence.
+        learnt.push(View::new(&normaliser, name, &read(&view)?, true)?);
     }
     let (model, report) = train(learnt, &normaliser, &options)?;
     println!("{} views, {} dimensions", report.exemplars, model.dimension());

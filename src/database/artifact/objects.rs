@@ -19,6 +19,8 @@ use landmarkd_core::recognition::objects::{
 pub(super) struct ObjectHeader {
     width_px: usize,
     height_px: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    window_px: Option<f64>,
     total_variance: f64,
     views: Vec<ViewDocument>,
     objects: Vec<ObjectDocument>,
@@ -67,6 +69,7 @@ fn header_of(parts: &ObjectParts, report: &ObjectsReport) -> ObjectHeader {
     ObjectHeader {
         width_px: parts.width_px,
         height_px: parts.height_px,
+        window_px: parts.window_px,
         total_variance: parts.universal.total_variance,
         objects: by_object
             .map(|(part, views)| ObjectDocument {
@@ -137,6 +140,7 @@ pub(super) fn assemble(
         options,
         width_px: header.width_px,
         height_px: header.height_px,
+        window_px: header.window_px,
         views: (header.views.into_iter())
             .map(|view| ViewName { id: view.id, label: view.label, pose_deg: view.pose_deg })
             .collect(),

@@ -10,7 +10,7 @@ use crate::problem::Code;
 use crate::telemetry::chain;
 use landmarkd_core::recognition::objects::{
     self, MAX_SIDE_PX, Normaliser, ObjectOptions, Resize, TrainingError, View, ViewName, common_size,
-    is_trial,
+    common_step_deg, is_trial,
 };
 
 /// Why exemplars can't be trained into an object database, as far as their rows show.
@@ -144,7 +144,8 @@ pub(super) async fn train(
         return Err(unfit.into());
     }
     let commonest_px = common_size(exemplars.iter().map(size_px)).ok_or(UnfitExemplars::TooFew)?;
-    let normaliser = Normaliser::new(&options, commonest_px);
+    let posed = exemplars.iter().map(|row| (row.label.as_str(), row.pose_deg));
+    let normaliser = Normaliser::new(&options, commonest_px).with_step_deg(common_step_deg(posed));
     let (with, count) = (normaliser.clone(), exemplars.len());
     let described = worker.each("describing", exemplars, None, move |place, row, frame| {
         let name = ViewName { id: row.id.to_string(), label: row.label.clone(), pose_deg: row.pose_deg };

@@ -24,8 +24,8 @@ pub const OPPONENTS: usize = 2;
 pub const CELL_PX: usize = 8;
 /// Distance between knots.
 const KNOT_PX: usize = 4;
-/// Standard deviation of the window that a histogram is taken in.
-const WINDOW_PX: f64 = 0.6 * CELL_PX as f64;
+/// Standard deviation of the window that a histogram is taken in, where as much as cells can show is to be told apart.
+pub const WINDOW_PX: f64 = 0.6 * CELL_PX as f64;
 /// Standard deviation of the surround, in cells, whose energy a cell is divided by …
 const SURROUND_CELLS: f64 = 1.0;
 /// … with this part of the picture's strongest gradient, so that noise on a bare ground stays small.
@@ -75,7 +75,8 @@ pub fn cells(width_px: usize, height_px: usize) -> [usize; 2] {
 
 impl GradientField {
     /// The field of a picture of at least [`CELL_PX`] a side, smoothed by a Gaussian of `sigma_px` before its gradient is taken.
-    pub fn of(frame: &Frame, sigma_px: f32) -> GradientField {
+    /// Histograms are of a Gaussian window of `window_px`, [`KNOT_PX`] at least.
+    pub fn of(frame: &Frame, sigma_px: f32, window_px: f64) -> GradientField {
         let (width_px, height_px) = (frame.width(), frame.height());
         let [columns, rows] = [width_px, height_px].map(|side| side / KNOT_PX);
         let gradient = gradient(&smoothed(&frame.luminance, sigma_px));
@@ -96,8 +97,8 @@ impl GradientField {
             height_px,
             columns,
             rows,
-            histograms: windowed(sums, columns, rows),
-            colours: if frame.is_colour() { colours(frame, columns, rows) } else { Vec::new() },
+            histograms: windowed(sums, columns, rows, window_px),
+            colours: if frame.is_colour() { colours(frame, columns, rows, window_px) } else { Vec::new() },
             strongest: strongest.sqrt(),
         }
     }
@@ -232,7 +233,7 @@ fn add_softly(histogram: &mut [f32; DIRECTIONS], dx: f32, dy: f32) {
 }
 
 /// The opponent planes over the luminance, at the knots.
-fn colours(frame: &Frame, columns: usize, rows: usize) -> Vec<[f32; OPPONENTS]> {
+fn colours(frame: &Frame, columns: usize, rows: usize, window_px: f64) -> Vec<[f32; OPPONENTS]> {
     let [red_green, blue_yellow] = frame.opponent_planes();
     let mut sums = vec![[0.0_f32; OPPONENTS + 1]; columns * rows];
     for y in 0..rows * KNOT_PX {
@@ -247,13 +248,18 @@ fn colours(frame: &Frame, columns: usize, rows: usize) -> Vec<[f32; OPPONENTS]> 
         let share = 1.0 / (luminance.max(0.0) + BLACK * area);
         [share * red_green, share * blue_yellow]
     };
-    windowed(sums, columns, rows).into_iter().map(ratio).collect()
+    windowed(sums, columns, rows, window_px).into_iter().map(ratio).collect()
 }
 
-/// Sums of squares of [`KNOT_PX`] pixels as a Gaussian window of [`WINDOW_PX`] sees them; mirrored at the border.
-fn windowed<const N: usize>(sums: Vec<[f32; N]>, columns: usize, rows: usize) -> Vec<[f32; N]> {
+/// Sums of squares of [`KNOT_PX`] pixels as a Gaussian window of `window_px` sees them; mirrored at the border.
+fn windowed<const N: usize>(
+    sums: Vec<[f32; N]>,
+    columns: usize,
+    rows: usize,
+    window_px: f64,
+) -> Vec<[f32; N]> {
     let box_variance = ((KNOT_PX * KNOT_PX) as f64 - 1.0) / 12.0;
-    let sigma = (WINDOW_PX * WINDOW_PX - box_variance).sqrt() / KNOT_PX as f64;
+    let sigma = (window_px * window_px - box_variance).sqrt() / KNOT_PX as f64;
     let reach = (3.0 * sigma).ceil() as isize;
     let weights: Vec<f32> =
         (-reach..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp() as f32).collect();
@@ -364,7 +370,7 @@ mod tests {
 
     #[test]
     fn an_object_that_moved_is_read_as_it_stood() {
-        let still = GradientField::of(&blobs(&Similarity::IDENTITY), 1.5);
+        let still = GradientField::of(&blobs(&Similarity::IDENTITY), 1.5, WINDOW_PX);
         let learnt = still.appearance(&Similarity::IDENTITY, &[]);
         assert_eq!(learnt.len(), 16 * 16 * DIRECTIONS);
         for place in [
@@ -372,7 +378,7 @@ mod tests {
             Similarity { scale: 1.1, ..Similarity::IDENTITY },
             Similarity { turn_rad: 0.15, ..Similarity::IDENTITY },
         ] {
-            let field = GradientField::of(&blobs(&place), 1.5);
+            let field = GradientField::of(&blobs(&place), 1.5, WINDOW_PX);
             let (aligned, as_is) =
                 (field.appearance(&place, &[]), field.appearance(&Similarity::IDENTITY, &[]));
             let (near, far) = (apart(&aligned, &learnt), apart(&as_is, &learnt));
@@ -384,7 +390,8 @@ mod tests {
     fn gain_and_offset_drop_out() {
         let frame = blobs(&Similarity::IDENTITY);
         let relit = Frame::gray(Image::from_fn(128, 128, |x, y| 60.0 + 0.5 * frame.luminance.at(x, y)));
-        let read = |frame: &Frame| GradientField::of(frame, 1.5).appearance(&Similarity::IDENTITY, &[]);
+        let read =
+            |frame: &Frame| GradientField::of(frame, 1.5, WINDOW_PX).appearance(&Similarity::IDENTITY, &[]);
         assert!(apart(&read(&frame), &read(&relit)) < 1e-4);
         let flat = Frame::gray(Image::from_fn(128, 128, |_, _| 90.0));
         assert!(read(&flat).iter().all(|&v| v == 0.0));
@@ -417,7 +424,7 @@ mod tests {
             };
         let opponents = vec![0.25; 16 * 16 * OPPONENTS];
         let colours = |frame: &Frame| {
-            GradientField::of(frame, 1.5).appearance(&Similarity::IDENTITY, &opponents)
+            GradientField::of(frame, 1.5, WINDOW_PX).appearance(&Similarity::IDENTITY, &opponents)
                 [16 * 16 * DIRECTIONS..]
                 .to_vec()
         };

@@ -104,9 +104,9 @@ impl Logistic {
         Logistic { offset: (h11 * g0 - h01 * g1) / determinant, slope: (h00 * g1 - h01 * g0) / determinant }
     }
 
-    /// The evidence at which right and wrong are as likely; `None` if it doesn't tell them apart.
-    pub fn even(&self) -> Option<f64> {
-        (self.slope < 0.0).then(|| -self.offset / self.slope)
+    /// The evidence at which right is so many times as likely as wrong; `None` if it doesn't tell them apart.
+    pub fn evidence_at(&self, odds: f64) -> Option<f64> {
+        (self.slope < 0.0).then(|| (odds.ln() - self.offset) / self.slope)
     }
 
     /// The probability that an answer with evidence `x` is right, if known and unknown objects are equally frequent.

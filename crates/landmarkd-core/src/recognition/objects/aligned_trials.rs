@@ -30,20 +30,18 @@ fn trial(
     let object = points.object_of_view[view];
     let others = views_without(model, view, points);
     let hypotheses = model.hypotheses(field, Reach::Near, |other| points.is_left_out_with(other, view));
-    let views_of = |of: usize| match &others {
-        Some(others) if of == object => others,
-        _ => &model.objects[of].views,
-    };
-    let ranked = model.ranked_by_alignment(field, Reach::Near, &hypotheses, views_of);
-    let own = ranked.iter().find(|ranked| ranked.object == object);
-    let first = ranked.first().map(|first| first.object == object);
+    let first = hypotheses.first().map(|first| first.object == object);
+    let (own_hypothesis, strange): (Vec<_>, Vec<_>) =
+        hypotheses.into_iter().partition(|hypothesis| hypothesis.object == object);
     let all_views = |of: usize| &model.objects[of].views;
-    let own_hypothesis = hypotheses.iter().filter(|hypothesis| hypothesis.object == object);
-    let learnt = own_hypothesis
-        .flat_map(|own| model.ranked_by_alignment(field, Reach::Near, std::slice::from_ref(own), all_views))
-        .next();
+    let ranked = |hypotheses: &[_]| model.ranked_by_alignment(field, Reach::Near, hypotheses, all_views);
+    let views_left = |of: usize| others.as_ref().unwrap_or(&model.objects[of].views);
+    let own = model.ranked_by_alignment(field, Reach::Near, &own_hypothesis, views_left).into_iter().next();
+    let learnt = ranked(&own_hypothesis).into_iter().next();
+    // As if the object were unknown: its own fit would end the others' early.
+    let other = ranked(&strange).first().map(RankedObject::near);
     // Where the view itself was learnt nothing is interpolated, and the disturbance alone takes away.
-    let expected = own.zip(learnt.as_ref()).map(|(own, learnt)| {
+    let expected = own.as_ref().zip(learnt.as_ref()).map(|(own, learnt)| {
         let [held_out, learnt] = [own.relative, learnt.relative].map(explained_part);
         unexplained_ratio(held_out.max(learnt - gap_ratio * (learnt - held_out)))
     });
@@ -51,9 +49,9 @@ fn trial(
         object,
         own_distance: others.as_ref().map(|_| expected.unwrap_or(unexplained_ratio(0.0))),
         is_likely: own.is_some(),
-        other: ranked.iter().find(|ranked| ranked.object != object).map(RankedObject::near),
+        other,
         own_is_first: if model.covariance_decides() { first } else { None },
-        pose_ratio: own.zip(learnt.as_ref()).and_then(|(own, learnt)| {
+        pose_ratio: own.as_ref().zip(learnt.as_ref()).and_then(|(own, learnt)| {
             let pose_deg = points.poses_deg[view]?;
             let gap_deg = others.as_ref()?.gap_deg(pose_deg)?;
             pose_ratio(own, learnt, pose_deg, gap_deg, gap_ratio)

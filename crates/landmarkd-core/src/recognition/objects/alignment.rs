@@ -35,8 +35,9 @@ const ITERATIONS: usize = 6;
 const HOPELESS: f64 = 4.0;
 /// Iterations before cells that differ count less: until then the place is too far off to tell which do.
 const UNWEIGHTED: usize = 2;
-/// A cell counts a quarter where its difference has this part of a cell's mean energy.
-const TOLERANCE: f32 = 0.25;
+/// A cell counts a quarter where its difference has this part of a cell's mean energy, and what interpolation between the
+/// object's views leaves.
+const TOLERANCE: f64 = 0.25;
 /// Standard deviation in cells over which differences are averaged: what hides one cell hides its neighbours.
 const TOGETHER_CELLS: f32 = 1.0;
 /// Differences of the place and the turn by which derivatives are taken.
@@ -212,7 +213,7 @@ impl Aligner<'_> {
     }
 
     fn tolerance(&self) -> f32 {
-        TOLERANCE / (self.cells[0] * self.cells[1]) as f32
+        ((TOLERANCE + self.typical_distance.powi(2)) / (self.cells[0] * self.cells[1]) as f64) as f32
     }
 
     /// What a place costs that is one standard deviation away: the more, the worse the views between which is interpolated
@@ -273,11 +274,10 @@ impl Aligner<'_> {
         priors
     }
 
-    /// JᵀWJ with the prior on the place.
-    fn normal(&self, at: &Estimate, jacobian: &Jacobian) -> Option<Symmetric> {
+    /// JᵀWJ with the priors on the place.
+    fn normal(&self, at: &Estimate, jacobian: &Jacobian, priors: &[f64; 4]) -> Option<Symmetric> {
         let (columns, colours) = (&jacobian.columns, self.counts_colours());
         let count = columns.len();
-        let priors = self.priors(at, jacobian);
         let mut normal = vec![0.0; count * count];
         for a in 0..count {
             for b in 0..=a {
@@ -298,7 +298,7 @@ impl Aligner<'_> {
                 -slope - at.unknowns.get(k).map_or(0.0, |v| priors[k] * v)
             })
             .collect();
-        let solved = self.normal(at, jacobian)?.solve(&right);
+        let solved = self.normal(at, jacobian, &priors)?.solve(&right);
         let mut step = [0.0; UNKNOWNS];
         step[..solved.len()].copy_from_slice(&solved);
         Some(step)
@@ -311,7 +311,8 @@ impl Aligner<'_> {
 
     /// Of the turn, if the differences that are left are noise; infinite without a turn.
     fn turn_sigma_deg(&self, at: &Estimate, jacobian: &Jacobian) -> f64 {
-        let Some(normal) = self.normal(at, jacobian).filter(|_| at.turn_deg.is_some()) else {
+        let priors = self.priors(at, jacobian);
+        let Some(normal) = self.normal(at, jacobian, &priors).filter(|_| at.turn_deg.is_some()) else {
             return f64::INFINITY;
         };
         let variance = normal.solve(&[0.0, 0.0, 0.0, 0.0, 1.0])[4];
@@ -423,7 +424,7 @@ mod tests {
         let model = trained();
         let of = |disturbance: Disturbance| asked(&model, &disturbance.of(&thing(2, 35.0), 0));
         assert_eq!(code(&of(Disturbance { shift: [0.2, 0.0], ..Disturbance::NONE })), "off_centre");
-        assert_eq!(code(&of(Disturbance { scale: 0.55, ..Disturbance::NONE })), "scale");
+        assert_eq!(code(&of(Disturbance { scale: 0.6, ..Disturbance::NONE })), "scale");
         assert_eq!(code(&of(Disturbance { gain: 0.01, ..Disturbance::NONE })), "light");
         assert_eq!(code(&asked(&model, &thing(31, 0.0))), "unlike_anything");
         let half = Disturbance { hidden: 0.6, occluder: 0.0, ..Disturbance::NONE };

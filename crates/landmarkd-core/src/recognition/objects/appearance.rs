@@ -1,6 +1,7 @@
 //! The appearance of a picture: one vector (B(7)), from pictures of one size.
 //!
-//! Of gradients: the orientation histograms of a [`GradientField`], in pictures whose longer side is 128 px.
+//! Of gradients: the orientation histograms of a [`GradientField`], in pictures whose longer side is 128 px; the farther views
+//! are apart, the wider the windows that histograms are of, as what moves by more than a window can't be interpolated.
 //!
 //! Of intensities, as the text has it, of unit energy. The text takes the pixels as they are. Here the picture is
 //! smoothed first, and then sampled no more densely than the smoothing leaves detail: an edge that moves by more than its
@@ -12,11 +13,13 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 use super::disturbance::Disturbance;
+use super::manifold::{DistinctPoses, gaps};
 use super::normalised_crop::{ObjectSegmentation, normalised_crop, saturated_part};
 use super::options::{AppearanceOf, MAX_SIDE_PX, ObjectOptions, Resize};
 use super::recognition::{Alignment, Warning};
 use crate::imaging::{Frame, Image, bilinear_replicated, fitted, seed_of_name};
 use crate::recognition::Colour;
+use crate::statistics::median;
 use crate::vision::gradient_field::{self, DIRECTIONS, GradientField, OPPONENTS, Similarity};
 use crate::vision::segmentation::{Region, Segmentation};
 use crate::vision::smoothed;
@@ -38,6 +41,9 @@ const CROP_SIDE_PX: u32 = 128;
 const MIN_SIDE_PX: u32 = 8;
 /// Longer side of a picture whose gradients are taken.
 const FIELD_SIDE_PX: usize = 128;
+/// Window of the histograms, in cells for each degree from one view to the next, and the widest.
+const WINDOW_CELLS_PER_DEG: f64 = 0.055;
+const WIDEST_CELLS: f64 = 1.1;
 /// Gray levels per pixel: a picture whose strongest gradient is weaker is flat.
 const FLAT: f32 = 0.5;
 /// Side of the square that shows the histogram of a cell.
@@ -78,7 +84,7 @@ enum Sampling {
     /// Means of squares of this side.
     Intensity { step_px: usize },
     /// Histograms of a picture of this size.
-    Gradient { width_px: usize, height_px: usize, colour: Colour },
+    Gradient { width_px: usize, height_px: usize, colour: Colour, window_px: f64 },
 }
 
 /// A picture as read for recognition.
@@ -134,6 +140,18 @@ pub fn common_size(sizes: impl IntoIterator<Item = (u32, u32)>) -> Option<(u32, 
     counts.into_iter().max_by_key(|&(size, count)| (count, size)).map(|(size, _)| size)
 }
 
+/// The commonest step in pose from one view of an object to the next, degrees: the median over the objects that have three
+/// poses. `None` without any.
+pub fn common_step_deg<'a>(views: impl IntoIterator<Item = (&'a str, Option<f64>)>) -> Option<f64> {
+    let mut poses: BTreeMap<&str, Vec<Option<f64>>> = BTreeMap::new();
+    for (label, pose_deg) in views {
+        poses.entry(label).or_default().push(pose_deg);
+    }
+    let poses = poses.into_values().map(|poses| DistinctPoses::of(&poses).poses_deg);
+    let mut steps: Vec<f64> = poses.filter(|poses| poses.len() >= 3).flat_map(|poses| gaps(&poses)).collect();
+    median(&mut steps, f64::total_cmp)
+}
+
 impl Normaliser {
     /// The normaliser of a database whose commonest picture has `size_px` (width, height): of the size that the options
     /// name, or else of that one, shrunk to 1024 px a side; with `segment` a square of 128 px.
@@ -160,7 +178,8 @@ impl Normaliser {
                     (side.round() as usize).max(gradient_field::CELL_PX)
                 });
                 let sigma_px = options.smoothing * FIELD_SIDE_PX as f64;
-                (sigma_px, Sampling::Gradient { width_px, height_px, colour: options.colour })
+                let (colour, window_px) = (options.colour, gradient_field::WINDOW_PX);
+                (sigma_px, Sampling::Gradient { width_px, height_px, colour, window_px })
             }
         };
         Normaliser {
@@ -171,6 +190,32 @@ impl Normaliser {
             sigma_px,
             sampling,
         }
+    }
+
+    /// The normaliser of views that are commonly `step_deg` apart: see [`common_step_deg`].
+    #[must_use]
+    pub fn with_step_deg(mut self, step_deg: Option<f64>) -> Normaliser {
+        if let (Sampling::Gradient { window_px, .. }, Some(step_deg)) = (&mut self.sampling, step_deg) {
+            let cells = (WINDOW_CELLS_PER_DEG * step_deg).min(WIDEST_CELLS);
+            *window_px = (cells * gradient_field::CELL_PX as f64).max(gradient_field::WINDOW_PX);
+        }
+        self
+    }
+
+    /// Window of the histograms; `None` of intensities.
+    pub(super) fn window_px(&self) -> Option<f64> {
+        match self.sampling {
+            Sampling::Intensity { .. } => None,
+            Sampling::Gradient { window_px, .. } => Some(window_px),
+        }
+    }
+
+    /// The normaliser with a window that was kept; without one it stays.
+    pub(super) fn with_window_px(mut self, kept_px: Option<f64>) -> Normaliser {
+        if let (Sampling::Gradient { window_px, .. }, Some(kept_px)) = (&mut self.sampling, kept_px) {
+            *window_px = kept_px;
+        }
+        self
     }
 
     /// Columns and rows of samples, or of cells.
@@ -331,8 +376,9 @@ impl Normaliser {
     fn normalised(&self, frame: &Frame) -> Reading {
         let (vector, field) = match self.sampling {
             Sampling::Intensity { step_px } => (self.intensities(&frame.luminance, step_px), None),
-            Sampling::Gradient { width_px, height_px, .. } => {
-                let field = GradientField::of(&placed(frame, width_px, height_px), self.sigma_px as f32);
+            Sampling::Gradient { width_px, height_px, window_px, .. } => {
+                let placed = placed(frame, width_px, height_px);
+                let field = GradientField::of(&placed, self.sigma_px as f32, window_px);
                 let opponents = vec![0.0; self.length() - self.colourless_length()];
                 let vector = match field.strongest() > FLAT {
                     true => field.appearance(&Similarity::IDENTITY, &opponents),

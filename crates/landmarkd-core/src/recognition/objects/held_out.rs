@@ -19,6 +19,9 @@ const COARSE: usize = 4;
 const MIN_SCALE: f64 = 0.002;
 /// Of the magnitudes of normal deviates 80 % are below.
 const NORMAL_AT_80: f64 = 1.2816;
+/// Nothing is accepted that isn't so many times as likely right as wrong: to name a strange thing costs more than to refuse
+/// a known one.
+const LEAST_ODDS: f64 = 1.5;
 /// Nothing is accepted of which less is explained, whatever few and sparse views show: of strange things that are held
 /// against six objects, 97 % explain less than 0.13 of the likest one.
 const MIN_EXPLAINED: f64 = 0.15;
@@ -293,7 +296,7 @@ impl HeldOutStatistics {
         Trial { object, own_distance, is_likely, other, own_is_first, pose_ratio: None }
     }
 
-    /// B(16): the threshold that accepts a part `accept` of the known, of gradients nothing that is as likely to be wrong; the radius
+    /// B(16): the threshold that accepts a part `accept` of the known, of gradients nothing that isn't likelier right than wrong; the radius
     /// that loses none of them, and the confidence.
     pub fn acceptance(
         &self,
@@ -320,8 +323,9 @@ impl HeldOutStatistics {
         let threshold = match model.options.appearance {
             AppearanceOf::Intensity => accepting,
             AppearanceOf::Gradient => {
-                let even = confidence.and_then(|fit| fit.even()).map_or(f64::INFINITY, f64::exp);
-                accepting.min(even).min(unexplained_ratio(MIN_EXPLAINED))
+                let likely =
+                    confidence.and_then(|fit| fit.evidence_at(LEAST_ODDS)).map_or(f64::INFINITY, f64::exp);
+                accepting.min(likely).min(unexplained_ratio(MIN_EXPLAINED))
             }
         };
         // what is accepted lies so far from the curve, and the curve no farther from a view than the next one is

@@ -106,7 +106,7 @@ impl DistinctPoses {
 }
 
 /// The gaps from each of ascending poses to the next, round the circle.
-fn gaps(poses_deg: &[f64]) -> Vec<f64> {
+pub(super) fn gaps(poses_deg: &[f64]) -> Vec<f64> {
     let next = poses_deg.iter().skip(1).copied().chain([poses_deg[0] + 360.0]);
     next.zip(poses_deg).map(|(next, pose)| next - pose).collect()
 }

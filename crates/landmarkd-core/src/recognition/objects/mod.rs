@@ -30,7 +30,7 @@ pub mod training;
 
 pub use acceptance::{Acceptance, Logistic};
 pub use annotated::annotate;
-pub use appearance::{Appearance, Normaliser, SizeMismatch, common_size};
+pub use appearance::{Appearance, Normaliser, SizeMismatch, common_size, common_step_deg};
 pub use model::{Objects, Stage, ViewName};
 pub use options::{AppearanceOf, Dimension, Distance, MAX_SIDE_PX, ObjectOptions, Resize, Search, Stages};
 pub use parts::{ObjectPart, ObjectParts, PartsError};

@@ -17,6 +17,8 @@ use crate::recognition::OptionFault;
 
 /// No number of a trained database is larger: pictures have energy one. Squares and sums of such numbers stay finite.
 const LARGEST: f64 = 1e6;
+/// Windows of histograms.
+const WINDOWS_PX: RangeInclusive<f64> = 2.0..=64.0;
 
 /// A trained object database as plain vectors.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +29,8 @@ pub struct ObjectParts {
     pub width_px: usize,
     /// Height of the database's pictures.
     pub height_px: usize,
+    /// Window that histograms are of; `None` of intensities, and for the narrowest.
+    pub window_px: Option<f64>,
     /// Sorted by label, then pose (none last), then id.
     pub views: Vec<ViewName>,
     /// Of all views.
@@ -99,6 +103,7 @@ impl From<&Objects> for ObjectParts {
             options: model.options.clone(),
             width_px: model.normaliser.width_px,
             height_px: model.normaliser.height_px,
+            window_px: model.normaliser.window_px(),
             views: model.views.clone(),
             universal: model.universal.clone(),
             eigenpoints: model.radius_index.points().to_vec(),
@@ -188,9 +193,12 @@ impl ObjectParts {
             return Err(error);
         }
         let normaliser = Normaliser::new(&self.options, (self.width_px as u32, self.height_px as u32));
-        match (normaliser.width_px, normaliser.height_px) == (self.width_px, self.height_px) {
-            true => Ok(normaliser),
-            false => Err(error),
+        if (normaliser.width_px, normaliser.height_px) != (self.width_px, self.height_px) {
+            return Err(error);
+        }
+        match self.window_px.is_none_or(|window_px| WINDOWS_PX.contains(&window_px)) {
+            true => Ok(normaliser.with_window_px(self.window_px)),
+            false => Err(PartsError::Number { part: "the window of histograms" }),
         }
     }
 

@@ -325,7 +325,8 @@ impl SmoothSurfaces {
             let wrong = means[0].iter().filter(|&&mean| is_wrong(mean)).count();
             (1.0 - wrong as f32 / blocks.count() as f32).powi(4)
         };
-        let (mut best, mut best_share) = (&self.surfaces[0], 0.0);
+        let Some(mut best) = self.surfaces.first() else { return vec![] };
+        let mut best_share = 0.0;
         for surface in
             self.surfaces.iter().filter(|surface| surface.border_blocks > 0.0 || scene == Scene::Table)
         {
@@ -416,12 +417,20 @@ mod tests {
 
     /// The ground of the table where `part` gives no level of a part.
     fn ground(polarity: Polarity, part: impl Fn(usize, usize) -> Option<f32>) -> (Ground, Vec<f32>) {
+        ground_of(Scene::Table, polarity, part)
+    }
+
+    fn ground_of(
+        scene: Scene,
+        polarity: Polarity,
+        part: impl Fn(usize, usize) -> Option<f32>,
+    ) -> (Ground, Vec<f32>) {
         let (width, height) = SIZE;
         let levels: Vec<f32> = (0..width * height)
             .map(|at| (at % width, at / width))
             .map(|(x, y)| part(x, y).unwrap_or_else(|| table(x, y)))
             .collect();
-        let ground = Ground::of(&[&levels], width, height / 3, polarity, Scene::Table);
+        let ground = Ground::of(&[&levels], width, height / 3, polarity, scene);
         let above = ground.differences(&levels, &ground.surfaces[0].levels);
         (ground, levels.iter().zip(above).map(|(v, above)| v - above).collect())
     }
@@ -464,5 +473,19 @@ mod tests {
         let level = |polarity| ground(polarity, |x, y| surround(x, y).then_some(4.0)).1[75 * SIZE.0 + 100];
         assert!(level(Polarity::DarkOnLight) > 60.0);
         assert!(level(Polarity::Either) < 20.0);
+    }
+    #[test]
+    fn an_object_that_reaches_the_border_all_round_leaves_the_ground_its_corners() {
+        // Shaded as a ball is, so that neighbours differ as little as those of the ground do.
+        let ball = |x: usize, y: usize| {
+            let (dx, dy) = ((x as f32 - 99.5) / 104.0, (y as f32 - 74.5) / 79.0);
+            let radius = dx.hypot(dy);
+            (radius < 1.0).then(|| 210.0 - 60.0 * radius * radius)
+        };
+        for polarity in [Polarity::LightOnDark, Polarity::Either] {
+            let (_, levels) = ground_of(Scene::OneObject, polarity, |x, y| ball(x, y).or(Some(12.0)));
+            let farthest = levels.iter().map(|level| (level - 12.0).abs()).fold(0.0, f32::max);
+            assert!(farthest < 3.0, "{polarity:?}: {farthest}");
+        }
     }
 }

@@ -1,8 +1,10 @@
-//! Parts that touch: a component whose depth has several peaks with narrow necks between them is divided along the necks
-//! (watershed of the distance map, Vincent & Soille 1991), if the pieces are convex.
+//! Parts that touch: a component whose depth has several peaks with narrow necks between them (watershed of the distance map,
+//! Vincent & Soille 1991) is divided by the shortest chords across the necks, if the pieces are convex.
 //!
 //! Two discs that touch are two convex pieces with a narrow neck; a spanner's halves are not convex. Where the neck isn't
 //! narrow, or a piece not quite convex, shape alone doesn't say whether there are one or several.
+
+use std::f64::consts::PI;
 
 use super::components::{Run, area_px};
 use super::distance_map::{DistanceMap, ONE_PX};
@@ -21,6 +23,8 @@ const LEAST_SOLIDITY: f64 = 0.88;
 const LEAST_PART: f64 = 0.12;
 const LEAST_DEPTH: u16 = 4 * ONE_PX;
 
+/// Directions in which the shortest chord across a neck is sought.
+const CHORDS: usize = 36;
 /// Larger components are taken for one part: a division takes 20 bytes a pixel.
 const MOST_PX: usize = 4 << 20;
 
@@ -41,12 +45,15 @@ pub(super) fn reading(runs: &[Run]) -> Reading {
         return Reading::One;
     }
     let map = DistanceMap::of(runs);
-    let Division { pieces, numbers, widest_neck } = Basins::of(&map).division();
+    let Division { pieces, numbers, widest_neck } = Basins::of(&map).division(&map);
     if pieces < 2 {
         return Reading::One;
     }
     let pieces = map.runs(&numbers, pieces);
     let least = pieces.iter().map(|runs| solidity(runs)).fold(1.0, f64::min);
+    if std::env::var("PAIRS").is_ok() {
+        eprintln!("whole {whole:.3} least {least:.3} neck {widest_neck:.3} pieces {}", pieces.len());
+    }
     if least >= CLEAR_SOLIDITY && whole <= CLEAR_WHOLE && widest_neck <= CLEAR_NECK {
         Reading::Several(pieces)
     } else if least >= LEAST_SOLIDITY {
@@ -100,8 +107,16 @@ struct Basins {
     areas: Vec<usize>,
     /// The basin that each belongs to, or itself.
     joined: Vec<usize>,
-    /// Between basins that were kept apart: both, and the depth where they meet.
-    necks: Vec<(usize, usize, u16)>,
+    necks: Vec<Neck>,
+}
+
+/// Where two basins meet that were kept apart.
+#[derive(Clone, Copy)]
+struct Neck {
+    basins: [usize; 2],
+    /// The deepest pixel that touches both, and its depth.
+    at: usize,
+    depth: u16,
 }
 
 /// A division into pieces.
@@ -135,24 +150,14 @@ impl Basins {
         for pixels in by_depth.iter().rev() {
             for &at in pixels {
                 let depth = map.thirds[at];
-                let around = [
-                    at - 1,
-                    at + 1,
-                    at - width,
-                    at + width,
-                    at - width - 1,
-                    at - width + 1,
-                    at + width - 1,
-                    at + width + 1,
-                ];
                 let mut own = None;
-                for other in around {
+                for other in around(at, width) {
                     if basins.basin[other] == NONE {
                         continue;
                     }
                     let other = basins.root(basins.basin[other] as usize);
                     own = Some(match own {
-                        Some(own) if own != other => basins.meet(own, other, depth),
+                        Some(own) if own != other => basins.meet(own, other, at, depth),
                         _ => other,
                     });
                 }
@@ -177,11 +182,11 @@ impl Basins {
     }
 
     /// Two basins meet at a depth: the one that a pixel there belongs to.
-    fn meet(&mut self, a: usize, b: usize, depth: u16) -> usize {
+    fn meet(&mut self, a: usize, b: usize, at: usize, depth: u16) -> usize {
         let (high, low) = if self.peaks[a] >= self.peaks[b] { (a, b) } else { (b, a) };
-        let are_apart = self.necks.iter().any(|&(first, second, _)| {
-            let pair = (self.root(first), self.root(second));
-            pair == (a, b) || pair == (b, a)
+        let are_apart = self.necks.iter().any(|neck| {
+            let pair = self.roots_of(neck);
+            pair == [a, b] || pair == [b, a]
         });
         if are_apart {
             return a;
@@ -189,7 +194,7 @@ impl Basins {
         let peak = self.peaks[low];
         if peak >= depth + ONE_PX && peak >= LEAST_DEPTH && f64::from(depth) <= WIDEST_NECK * f64::from(peak)
         {
-            self.necks.push((a, b, depth));
+            self.necks.push(Neck { basins: [a, b], at, depth });
             return a;
         }
         self.join(low, high);
@@ -202,12 +207,16 @@ impl Basins {
         self.areas[to] += self.areas[basin];
     }
 
+    fn roots_of(&self, neck: &Neck) -> [usize; 2] {
+        neck.basins.map(|basin| self.root(basin))
+    }
+
     fn roots(&self) -> Vec<usize> {
         (0..self.joined.len()).filter(|&basin| self.joined[basin] == basin).collect()
     }
 
     /// The basins that are large enough to be parts, the others joined to what they adjoin.
-    fn division(mut self) -> Division {
+    fn division(mut self, map: &DistanceMap) -> Division {
         loop {
             let roots = self.roots();
             let area = |basin: &usize| self.areas[*basin];
@@ -217,10 +226,10 @@ impl Basins {
                 break;
             }
             // The widest neck of it leads to what it is a piece of; what has none lies beside the component.
-            let beside = self.necks.iter().filter_map(|&(a, b, depth)| {
-                let (a, b) = (self.root(a), self.root(b));
+            let beside = self.necks.iter().filter_map(|neck| {
+                let [a, b] = self.roots_of(neck);
                 let other = if a == least { b } else { a };
-                ((a == least) != (b == least)).then_some((depth, other))
+                ((a == least) != (b == least)).then_some((neck.depth, other))
             });
             let to = beside.max().map_or(largest, |(_, to)| to);
             self.join(least, to);
@@ -233,16 +242,91 @@ impl Basins {
                 kept.iter().position(|&kept| kept == root).map_or(NONE, |number| number as u32)
             }
         };
-        let necks = self.necks.iter().filter_map(|&(a, b, depth)| {
-            let (a, b) = (self.root(a), self.root(b));
-            (a != b).then(|| f64::from(depth) / f64::from(self.peaks[a].min(self.peaks[b])))
-        });
+        let basins: Vec<u32> = self.basin.iter().map(number).collect();
+        let necks = self.necks.iter().filter(|neck| self.roots_of(neck)[0] != self.roots_of(neck)[1]);
+        let width = |neck: &Neck| {
+            f64::from(neck.depth)
+                / f64::from(self.roots_of(neck).map(|root| self.peaks[root]).into_iter().min().unwrap_or(1))
+        };
+        let chords: Vec<Vec<usize>> = necks.clone().map(|neck| shortest_chord(map, neck.at)).collect();
         Division {
             pieces: kept.len(),
-            numbers: self.basin.iter().map(number).collect(),
-            widest_neck: necks.fold(0.0, f64::max),
+            widest_neck: necks.map(width).fold(0.0, f64::max),
+            numbers: divided(map.width, &basins, &chords.concat(), kept.len()),
         }
     }
+}
+
+/// The pixels of the shortest straight line through a pixel from one side of the component to the other.
+fn shortest_chord(map: &DistanceMap, at: usize) -> Vec<usize> {
+    let (x, y) = ((at % map.width) as f64, (at / map.width) as f64);
+    let half = |angle_rad: f64| {
+        let (sin, cos) = angle_rad.sin_cos();
+        // The map has a margin, so that every line leaves the component within it.
+        let place = move |step: usize| {
+            let length = 0.5 * step as f64;
+            (y + length * sin).round() as usize * map.width + (x + length * cos).round() as usize
+        };
+        (0..).map(place).take_while(|&at| map.thirds[at] > 0)
+    };
+    let lines = (0..CHORDS).map(|k| PI * k as f64 / CHORDS as f64);
+    let length = |angle_rad: &f64| half(*angle_rad).count() + half(angle_rad + PI).count();
+    let shortest = lines.min_by_key(length).unwrap_or(0.0);
+    half(shortest).chain(half(shortest + PI)).collect()
+}
+
+/// The piece of each pixel: what hangs together by the sides of pixels without crossing a chord. A piece is the largest of
+/// those of which most is of its basin; if one has none, the chords don't divide, and the basins are the pieces. What is left,
+/// the chords too, belongs to what it touches.
+fn divided(width: usize, basins: &[u32], chords: &[usize], pieces: usize) -> Vec<u32> {
+    let mut free: Vec<bool> = basins.iter().map(|&basin| basin != NONE).collect();
+    chords.iter().for_each(|&at| free[at] = false);
+    let mut largest: Vec<Vec<usize>> = vec![vec![]; pieces];
+    let mut rest = chords.to_vec();
+    for first in 0..free.len() {
+        if !std::mem::take(&mut free[first]) {
+            continue;
+        }
+        let (mut members, mut next, mut votes) = (vec![first], 0, vec![0; pieces]);
+        while let Some(&at) = members.get(next) {
+            next += 1;
+            votes[basins[at] as usize] += 1;
+            for other in [at - 1, at + 1, at - width, at + width] {
+                if std::mem::take(&mut free[other]) {
+                    members.push(other);
+                }
+            }
+        }
+        let piece = (0..pieces).max_by_key(|&piece| votes[piece]).unwrap_or(0);
+        if members.len() > largest[piece].len() {
+            std::mem::swap(&mut members, &mut largest[piece]);
+        }
+        rest.extend(members);
+    }
+    if largest.iter().any(Vec::is_empty) {
+        return basins.to_vec();
+    }
+    let mut numbers = vec![NONE; basins.len()];
+    for (piece, members) in largest.into_iter().enumerate() {
+        members.into_iter().for_each(|at| numbers[at] = piece as u32);
+    }
+    loop {
+        let left = rest.len();
+        rest.retain(|&at| {
+            let number = around(at, width).into_iter().map(|other| numbers[other]).min().unwrap_or(NONE);
+            numbers[at] = number;
+            number == NONE
+        });
+        if rest.len() == left {
+            return numbers;
+        }
+    }
+}
+
+/// The eight neighbours of a pixel.
+fn around(at: usize, width: usize) -> [usize; 8] {
+    let (above, below) = (at - width, at + width);
+    [at - 1, at + 1, above, below, above - 1, above + 1, below - 1, below + 1]
 }
 
 #[cfg(test)]
