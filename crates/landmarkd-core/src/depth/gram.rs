@@ -18,18 +18,23 @@ const WINDOWS_PX: [f64; 4] = [2.5, 4.0, 7.0, 12.0];
 /// The same after halving: a window then sees more detail of the original.
 const HALVED_WINDOWS_PX: [f64; 3] = [2.0, 3.0, 5.0];
 /// Area over which the filters make noise alike, in pixels: a window has its area over this independent samples.
-pub(super) const NOISE_AREA_PX: f64 = 4.5;
+const NOISE_AREA_PX: f64 = 4.5;
 /// A window must hold more energy than noise makes, by this many standard deviations.
 const SIGNIFICANCE: f64 = 10.0;
 /// A second minimum within this part of the curve's height is another answer.
 const AMBIGUOUS: f32 = 0.15;
 /// Candidates about the minimum that belong to it.
 const SAME_VALLEY: f32 = 3.0;
-/// How much the energy that noise doesn't explain counts as uncertainty of β: the texture's spectrum is not that which the
-/// kernels are made for.
-pub(super) const LEFT_WEIGHT: f64 = 0.022;
-/// What the kernels leave of the texture at the right β, as a part of the curve's second derivative.
+/// How much the energy that noise doesn't explain counts as uncertainty of β. Of textures at two depths that a window holds
+/// it is half of the variance of their β times d²E/dβ²: 2 would take all of it for that, and a texture that is crossed by
+/// one contour leaves as much.
+const LEFT_WEIGHT: f64 = 0.5;
+/// Energy that noise explains: its mean, and this many standard deviations of a window's.
+const NOISE_DEVIATIONS: f64 = 2.0;
+/// What the kernels leave of the texture at the right β, as a part of the curve's second derivative, at the most.
 const LEAK: f64 = 0.02;
+/// The same, at the least.
+const LEAST_LEAK: f64 = 0.0003;
 
 /// The products q_i·q_j of one picture pair.
 struct Products<'a> {
@@ -142,13 +147,12 @@ impl Minima {
     /// there is to say so.
     fn samples(&self, noise_sigma: f64) -> WindowSamples {
         let noise = noise_sigma * noise_sigma;
-        let independent = 4.0 * std::f64::consts::PI * self.sigma_px * self.sigma_px / NOISE_AREA_PX;
-        let least_energy = noise * (RANK as f64 + SIGNIFICANCE * (2.0 * RANK as f64 / independent).sqrt());
+        let spread = (2.0 * RANK as f64 / independent(self.sigma_px)).sqrt();
+        let least_energy = noise * (RANK as f64 + SIGNIFICANCE * spread);
         let sample = |(minimum, beta): (&Minimum, f32)| {
             let second_derivative = f64::from(minimum.second_derivative);
             let textured = f64::from(minimum.energy) >= least_energy;
-            let left = (f64::from(minimum.residual) - noise).max(0.0);
-            let variance = (2.0 * noise / independent + LEFT_WEIGHT * left) / second_derivative;
+            let variance = variance(minimum.residual.into(), second_derivative, noise, self.sigma_px);
             Sample {
                 beta,
                 sigma: if textured && !minimum.ambiguous { variance.sqrt() as f32 } else { f32::INFINITY },
@@ -162,6 +166,7 @@ impl Minima {
             sigma_px: self.sigma_px,
             samples: Samples { width: self.width, height: self.height, step: self.step, points },
             texture: self.points.iter().map(|minimum| minimum.second_derivative).collect(),
+            noise_variance: (2.0 * noise / independent(self.sigma_px)) as f32,
         }
     }
 
@@ -191,11 +196,26 @@ impl Minima {
 
     /// The pictures' noise from the tenth percentile of the residuals: most windows hold one depth, some hold two.
     fn noise_sigma(&self) -> f64 {
-        let mut residuals: Vec<f32> = self.points.iter().map(|minimum| minimum.residual).collect();
+        let left = |minimum: &Minimum| minimum.residual - LEAST_LEAK as f32 * minimum.second_derivative;
+        let mut residuals: Vec<f32> = self.points.iter().map(left).collect();
         let tenth = residuals.len() / 10;
         let (_, &mut residual, _) = residuals.select_nth_unstable_by(tenth, f32::total_cmp);
-        1.1 * f64::from(residual.max(0.0)).sqrt()
+        // A window's own noise scatters: the tenth percentile lies about a standard deviation below the mean.
+        let below = 1.0 - (2.0 / independent(self.sigma_px)).sqrt();
+        (f64::from(residual.max(0.0)) / below.max(0.5)).sqrt()
     }
+}
+
+/// Samples of independent noise in a Gaussian window.
+fn independent(sigma_px: f64) -> f64 {
+    4.0 * std::f64::consts::PI * sigma_px * sigma_px / NOISE_AREA_PX
+}
+
+/// The variance of β at a minimum of E: what noise of this variance makes, and what it doesn't explain.
+pub(super) fn variance(residual: f64, second_derivative: f64, noise: f64, sigma_px: f64) -> f64 {
+    let relative = 2.0 / independent(sigma_px);
+    let left = (residual - noise * (1.0 + NOISE_DEVIATIONS * relative.sqrt())).max(0.0);
+    (relative * noise + LEFT_WEIGHT * left) / second_derivative
 }
 
 /// Grid steps that the texture's middle may be taken to lie away from a window's.
@@ -291,7 +311,7 @@ pub(super) fn estimate(
         means = means.widened(sigma_px);
         minima.push(Minima::of(&means, bank));
     }
-    let noise_sigma = minima[minima.len().min(2) - 1].noise_sigma().max(least_noise);
+    let noise_sigma = minima[0].noise_sigma().max(least_noise);
     let windows: Vec<WindowSamples> = minima.iter().map(|minima| minima.samples(noise_sigma)).collect();
     Estimate { samples: chosen(&windows), noise_sigma: Some(noise_sigma) }
 }

@@ -3,7 +3,7 @@
 
 use super::dense_map::MOST_SIGMA;
 use super::estimator::noise_gain;
-use super::gram::{LEFT_WEIGHT, NOISE_AREA_PX};
+use super::gram;
 use super::kernels::Evidence;
 use super::selection::TEXTURE_SIGMA;
 use super::{Calibration, DepthOptions, Estimator, Fault, Optics};
@@ -90,11 +90,11 @@ fn expected(estimator: &Estimator, optics: &Optics, scenery: &Scenery, betas: &[
     let evidence = estimator.bank().map(|bank| bank.evidence(&shrunk)).unwrap_or_default();
     let noise = (scenery.noise_sigma * noise_gain(halvings)).powi(2);
     let window_px = if halvings == 0 { WINDOW_PX } else { HALVED_WINDOW_PX };
-    let independent = 4.0 * std::f64::consts::PI * window_px * window_px / NOISE_AREA_PX;
     let at = |(&beta, Evidence { second_derivative, left }): (&f64, Evidence)| {
         let texture = scenery.contrast * scenery.contrast;
-        let variance = (2.0 * noise / (independent * texture) + LEFT_WEIGHT * left) / second_derivative
-            + f64::from(TEXTURE_SIGMA).powi(2);
+        let (residual, second_derivative) = (left * texture + noise, second_derivative * texture);
+        let variance =
+            gram::variance(residual, second_derivative, noise, window_px) + f64::from(TEXTURE_SIGMA).powi(2);
         let (before, after) = (optics.depth_mm(beta - 0.01), optics.depth_mm(beta + 0.01));
         let sigma_mm = variance.sqrt() * (before - after) / 0.02;
         let known = beta.abs() <= MOST_BETA + 1e-9

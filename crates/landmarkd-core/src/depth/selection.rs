@@ -1,10 +1,11 @@
 //! Which window answers at each point of the grid, and how far it is trusted.
 //!
 //! A window measures the depth of the texture that it holds, wherever in it that lies. So it counts only where its texture
-//! lies about the point, and its expected error is of four parts: noise, what textures differ by, the scatter of
-//! narrower windows' estimates within it about a plane ([`super::spread`]), and how much of what is around the point can't
-//! be measured. The window of the least expected error answers. Within the blur and the narrowest window of a step none
-//! does: estimates scatter there.
+//! lies about the point, and its expected error is of five parts: noise, what noise doesn't explain of its residual (two
+//! depths in one window leave some), what textures differ by, the scatter of narrower windows' estimates about a plane
+//! ([`super::spread`]: within the window, or beside the point, so that a point near a step is held against its own side),
+//! and how much of what is around the point is plain. The window of the least expected error answers. Within the blur of a
+//! step none does: estimates belong to neither side there.
 
 use super::dense_map::{MOST_BETA, MOST_MISFIT, MOST_SIGMA};
 use super::estimate::{Sample, Samples};
@@ -19,25 +20,27 @@ pub(super) struct WindowSamples {
     pub(super) samples: Samples,
     /// How much texture says so at each point: d²E/dβ².
     pub(super) texture: Vec<f32>,
+    /// Variance that noise gives β where that is 1.
+    pub(super) noise_variance: f32,
 }
 
 /// What textures differ by in β, whatever the window: their spectra aren't 1/f.
-pub(super) const TEXTURE_SIGMA: f32 = 0.003;
+pub(super) const TEXTURE_SIGMA: f32 = 0.006;
 /// The middle of a window's texture may lie this many of its standard deviations off the point.
 const MOST_OFF_MIDDLE: f32 = 0.7;
 /// The narrowest window has this part of a wider one's texture at least: else that is elsewhere.
 const LEAST_OWN_TEXTURE: f32 = 0.3;
 /// The narrowest window has this many times the widest one's texture at most: else it is that of a lone contour, and to
 /// which of its two sides its depth belongs is not known.
-const MOST_OWN_TEXTURE: f32 = 2.2;
+const MOST_OWN_TEXTURE: f32 = 4.2;
 /// Estimates scatter within this many standard deviations of a window.
 const SPREAD_WINDOW: f64 = 1.6;
-/// How much of what noise makes of the scatter is taken off it.
-const SPREAD_NOISE: f32 = 1.3;
-/// Surroundings whose measured part counts (standard deviation, pixels).
-const SURROUNDINGS_PX: f64 = 6.0;
-/// How much unmeasured surroundings enlarge the expected error.
-const UNMEASURED_WEIGHT: f32 = 5.0;
+/// Surroundings whose plain part counts (standard deviation, pixels).
+const SURROUNDINGS_PX: f64 = 16.0;
+/// How much plain surroundings enlarge the expected error.
+const PLAIN_WEIGHT: f32 = 3.8;
+/// Where noise alone gives the narrowest window's β a larger deviation, a surface is plain.
+const PLAIN_SIGMA: f32 = 0.015;
 /// No depth has a larger expected error; β spans 2 over the working range.
 const MOST_BETA_SIGMA: f32 = 2.0 * MOST_SIGMA;
 
@@ -50,7 +53,7 @@ pub(super) fn chosen(windows: &[WindowSamples]) -> Samples {
     let spreads = Spread::over(finest, &widths);
     let points = (0..width * height).map(|at| least_expected_error(windows, &spreads, at)).collect();
     let mut samples = Samples { width, height, step, points };
-    doubt_surroundings(&mut samples);
+    doubt_surroundings(&mut samples, &windows[0]);
     samples
 }
 
@@ -70,8 +73,11 @@ fn least_expected_error(windows: &[WindowSamples], spreads: &[Spread], at: usize
             continue;
         }
         noise_sigma = noise_sigma.min(point.sigma);
-        let scatter = spread.at(x, y).excess(SPREAD_NOISE);
-        let sigma = (point.sigma * point.sigma + TEXTURE_SIGMA * TEXTURE_SIGMA + scatter).sqrt();
+        let variance = point.sigma * point.sigma + TEXTURE_SIGMA * TEXTURE_SIGMA;
+        if variance >= chosen.sigma * chosen.sigma {
+            continue;
+        }
+        let sigma = (variance + spread.beside([x, y], point.beta, point.sigma * point.sigma)).sqrt();
         if sigma < chosen.sigma {
             chosen = Sample { beta: point.beta, sigma, misfit: point.misfit, ..chosen };
         }
@@ -84,16 +90,19 @@ fn least_expected_error(windows: &[WindowSamples], spreads: &[Spread], at: usize
     chosen
 }
 
-/// Enlarges the expected error where little of what is around can be measured: a step there would not show.
-fn doubt_surroundings(samples: &mut Samples) {
+/// Enlarges the expected error where much of what is around is plain: a step there would not show.
+fn doubt_surroundings(samples: &mut Samples, narrowest: &WindowSamples) {
     let (width, height, step) = (samples.width, samples.height, samples.step as f64);
-    let known: Vec<f32> = samples.points.iter().map(|sample| f32::from(is_known(sample))).collect();
-    let rows = Planes { width, planes: [&known] };
+    let least_texture = narrowest.noise_variance / (PLAIN_SIGMA * PLAIN_SIGMA);
+    let points = samples.points.iter().zip(&narrowest.texture);
+    let shows: Vec<f32> =
+        points.map(|(sample, &texture)| f32::from(is_known(sample) || texture > least_texture)).collect();
+    let rows = Planes { width, planes: [&shows] };
     let around = Means::over(&rows, width, height, SURROUNDINGS_PX / step);
     for (at, sample) in samples.points.iter_mut().enumerate() {
         let [x, y] = [at % width, at / width].map(|v| v / around.step);
-        let unmeasured = (1.0 - around.planes[0][y * around.width + x]).max(0.0);
-        sample.sigma *= 1.0 + UNMEASURED_WEIGHT * unmeasured;
+        let plain = (1.0 - around.planes[0][y * around.width + x]).max(0.0);
+        sample.sigma *= 1.0 + PLAIN_WEIGHT * plain;
     }
 }
 

@@ -1,5 +1,7 @@
 //! How far the estimates of narrow windows scatter about a plane: over a wide window that means that it sees more than
-//! one surface, or a curved one, whatever its own estimate says.
+//! one surface, or a curved one, whatever its own estimate says. Beside a step a support about the point sees both sides,
+//! and one that lies off it sees one: the plane there, continued to the point, says whether an estimate belongs to that
+//! side (Kuwahara et al. 1976; in stereo the shiftable windows of Bobick and Intille 1999).
 //!
 //! A plane is fitted to β by weighted least squares about each point. The moments that it takes are derivatives of
 //! smoothed planes: with a Gaussian window G of variance v, Σ G·w·(x′ − x) = v ∂(G∗w)/∂x, and
@@ -18,28 +20,56 @@ const RIDGE: f64 = 0.025;
 /// The planes that are smoothed: samples that count, their weights w, wβ and wβ².
 const PLANES: usize = 4;
 
+/// How much of what noise makes of the scatter is taken off it.
+const NOISE_MARGIN: f32 = 1.3;
+/// Supports beside a point lie this many of their standard deviations off it.
+const BESIDE: f64 = 0.8;
+/// Places of the supports: about the point, and around it.
+const SUPPORTS: [[f64; 2]; 9] = [
+    [0.0, 0.0],
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, -1.0],
+    [DIAGONAL, DIAGONAL],
+    [-DIAGONAL, DIAGONAL],
+    [DIAGONAL, -DIAGONAL],
+    [-DIAGONAL, -DIAGONAL],
+];
+const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// An estimate within this of a plane belongs to it, in β, beside its own error.
+const ON_PLANE: f32 = 0.005;
+
 /// Scatter over windows about the points of a grid.
 pub(super) struct Spread {
     width: usize,
     height: usize,
     /// Samples between neighbours of the grid.
     step: usize,
+    /// Standard deviation of the windows in samples.
+    sigma: f64,
     points: Vec<Scatter>,
 }
 
 /// The scatter of estimates about a plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scatter {
+struct Scatter {
     /// Weighted variance of β about the plane.
-    pub(super) variance: f32,
+    variance: f32,
     /// What noise makes of it.
-    pub(super) expected: f32,
+    expected: f32,
+    /// The plane's β at the support's middle, and its slopes by sample, along x and y.
+    beta: f32,
+    slopes: [f32; 2],
 }
 
 impl Scatter {
-    /// The variance that `margin` times the noise doesn't explain.
-    pub(super) fn excess(self, margin: f32) -> f32 {
-        (self.variance - margin * self.expected).max(0.0)
+    /// Of a support without estimates.
+    const NONE: Scatter = Scatter { variance: 0.0, expected: f32::INFINITY, beta: 0.0, slopes: [0.0; 2] };
+
+    /// The variance that noise doesn't explain.
+    fn excess(&self) -> f32 {
+        (self.variance - NOISE_MARGIN * self.expected).max(0.0)
     }
 }
 
@@ -72,13 +102,31 @@ impl Spread {
     fn of(means: &Means<PLANES>) -> Spread {
         let (width, height) = (means.width, means.height);
         let points = (0..height).flat_map(|y| (0..width).map(move |x| scatter(means, x, y))).collect();
-        Spread { width, height, step: means.step, points }
+        Spread { width, height, step: means.step, sigma: means.sigma_px, points }
     }
 
-    /// The scatter about a sample, of the nearest point of the grid.
-    pub(super) fn at(&self, x: usize, y: usize) -> Scatter {
-        let nearest = |at: usize, count: usize| ((at + self.step / 2) / self.step).min(count - 1);
-        self.points[nearest(y, self.height) * self.width + nearest(x, self.width)]
+    /// The variance that an estimate at a sample has beside its own, `variance`: the least of all supports. Of the support
+    /// about it what noise doesn't explain of the scatter; of one beside it also how far the estimate lies off the plane.
+    pub(super) fn beside(&self, [x, y]: [usize; 2], beta: f32, variance: f32) -> f32 {
+        let mut least = f32::INFINITY;
+        for (number, [right, down]) in SUPPORTS.into_iter().enumerate() {
+            let [u, v] = [(x, right, self.width), (y, down, self.height)].map(|(at, off, count)| {
+                let place = (at as f64 + BESIDE * self.sigma * off) / self.step as f64;
+                (place.round().max(0.0) as usize).min(count - 1)
+            });
+            let support = &self.points[v * self.width + u];
+            let mut excess = support.excess();
+            if number > 0 && excess < least {
+                let [dx, dy] = [(x, u), (y, v)].map(|(at, middle)| at as f32 - (middle * self.step) as f32);
+                let plane = support.beta + support.slopes[0] * dx + support.slopes[1] * dy;
+                excess += ((beta - plane).powi(2) - variance - ON_PLANE * ON_PLANE).max(0.0);
+            }
+            least = least.min(excess);
+            if least == 0.0 {
+                break;
+            }
+        }
+        least
     }
 }
 
@@ -91,7 +139,7 @@ fn scatter(means: &Means<PLANES>, x: usize, y: usize) -> Scatter {
     let at = |plane: &[f32], x: usize, y: usize| f64::from(plane[y * width + x]);
     let sum = at(weight, x, y);
     if sum <= f64::from(f32::MIN_POSITIVE) {
-        return Scatter { variance: 0.0, expected: f32::INFINITY };
+        return Scatter::NONE;
     }
     let (step, v) = (means.step as f64, means.variance_px2);
     // Over the sum: means. Along x, along y.
@@ -117,7 +165,12 @@ fn scatter(means: &Means<PLANES>, x: usize, y: usize) -> Scatter {
     let of_plane = along_x * along_x * xx + 2.0 * along_x * along_y * xy + along_y * along_y * yy;
     let rest = variance - 2.0 * (along_x * x_beta + along_y * y_beta) + of_plane;
     let rest = rest.clamp(0.0, variance);
-    Scatter { variance: rest as f32, expected: (at(known, x, y) / sum) as f32 }
+    Scatter {
+        variance: rest as f32,
+        expected: (at(known, x, y) / sum) as f32,
+        beta: (mean - along_x * mean_x - along_y * mean_y) as f32,
+        slopes: [along_x as f32, along_y as f32],
+    }
 }
 
 #[cfg(test)]
@@ -135,20 +188,36 @@ mod tests {
         Samples { width, height, step: 1, points: (0..width * height).map(sample).collect() }
     }
 
+    /// What is beside the error of an estimate of no error, as a deviation.
+    fn beside(spread: &Spread, x: usize, beta: f32) -> f32 {
+        spread.beside([x, 20], beta, 0.0).sqrt()
+    }
+
     #[test]
     fn planes_do_not_scatter_and_steps_do() {
-        let plane = samples(|x, y| 0.01 * x as f32 - 0.02 * y as f32);
-        let step = samples(|x, _| if x < 24 { 0.2 } else { -0.2 });
-        for (narrow, wide) in [(2.0, 3.2), (2.0, 5.6)] {
-            let spread = |samples: &Samples| Spread::over(samples, &[narrow, wide]);
-            for (plane, step) in spread(&plane).iter().zip(spread(&step)) {
-                let deviation = |spread: &Spread, x: usize| spread.at(x, 20).variance.sqrt();
-                assert!(deviation(plane, 24) < 0.01, "a plane scatters by {}", deviation(plane, 24));
-                assert!(deviation(&step, 24) > 0.08, "a step scatters by {}", deviation(&step, 24));
-            }
-            assert!(spread(&step)[0].at(4, 20).variance.sqrt() < 0.01, "far from the step");
+        let sloping = |x: usize, y: usize| 0.01 * x as f32 - 0.02 * y as f32;
+        let (plane, step) = (samples(sloping), samples(|x, _| if x < 24 { 0.2 } else { -0.2 }));
+        let spread = |samples: &Samples| Spread::over(samples, &[2.0, 3.2]);
+        for (plane, step) in spread(&plane).iter().zip(spread(&step)) {
+            let at = |spread: &Spread| spread.points[20 / spread.step * spread.width + 24 / spread.step];
+            assert!(at(plane).variance.sqrt() < 0.01, "a plane scatters by {}", at(plane).variance.sqrt());
+            assert!(at(&step).variance.sqrt() > 0.08, "a step scatters by {}", at(&step).variance.sqrt());
+            assert!(beside(plane, 24, sloping(24, 20)) < 0.01 && beside(&step, 4, 0.2) < 0.01);
         }
-        let expected = Spread::over(&plane, &[2.0])[0].at(24, 20).expected;
+        let expected = spread(&plane)[0].points[20 * 48 + 24].expected;
         assert!((expected - 0.02 * 0.02 - LEAST_VARIANCE).abs() < 1e-5, "{expected}");
+    }
+
+    #[test]
+    fn an_estimate_near_a_step_belongs_to_its_side_or_to_none() {
+        let step = samples(|x, _| 0.004 * x as f32 + if x < 24 { 0.2 } else { -0.2 });
+        let spread = &Spread::over(&step, &[2.0])[0];
+        // No depth has a deviation above 0.04.
+        for (x, own) in [(20, 0.28), (26, -0.096)] {
+            let (own, between) = (beside(spread, x, own), beside(spread, x, own - own.signum() * 0.15));
+            assert!(own < 0.04 && between > 0.055, "at {x}: {own} on its side, {between} between the two");
+        }
+        // A whole support away the step doesn't show at all.
+        assert!(beside(spread, 14, 0.256) < 0.02 && beside(spread, 34, -0.064) < 0.02);
     }
 }
