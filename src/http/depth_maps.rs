@@ -1,4 +1,4 @@
-//! `POST /v1/depth-maps`: how far away everything is, from a near- and a far-focused picture.
+//! `POST /v1/depth-maps`: how far away everything is, from two pictures that differ in focus or in aperture.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -7,7 +7,6 @@ use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -15,15 +14,16 @@ use super::body::BodyShare;
 use super::extract::Query;
 use super::optics::{OpticsBody, rounded_mm};
 use super::options::{DepthOptionsBody, WindowBody};
+use super::pairs::{PAIR_PARTS, PairParts, PairPictures};
 use super::problem::{FieldError, Problem};
 use super::stages::{StageClock, ms};
-use super::uploads::{KnownParts, Picture, RobotHeader};
+use super::uploads::{KnownParts, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{DepthMethodWord, FrameHeader, Name};
 use crate::telemetry::Work;
 use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
-use landmarkd_core::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
+use landmarkd_core::imaging::{encode, false_colour, npy, ply};
 
 /// Which planes an array has.
 #[derive(Debug, Clone, Default, Deserialize, IntoParams)]
@@ -36,16 +36,23 @@ pub struct PlanesQuery {
     pub planes: Option<String>,
 }
 
-/// A near- and a far-focused picture, and what the lens is. Either `optics` or `calibration`.
+/// A near- and a far-focused picture, or a wide-open and a stopped-down one, and what the lens is. Either `optics` or
+/// `calibration`.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
 pub struct DepthForm {
-    /// The near-focused picture.
+    /// The near-focused picture; with `far`.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    near: String,
+    near: Option<String>,
     /// The far-focused picture.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    far: String,
+    far: Option<String>,
+    /// The picture of the wider aperture, in place of a focal pair; with `narrow`.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    wide: Option<String>,
+    /// The picture of the narrower aperture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    narrow: Option<String>,
     optics: Option<OpticsBody>,
     /// Name of a calibration.
     #[schema(pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
@@ -63,11 +70,11 @@ pub struct DepthMapBody {
     pub calibration: Option<String>,
     pub width_px: usize,
     pub height_px: usize,
-    /// The distance that the near-focused picture is focused at.
+    /// The distance that the near-focused picture is focused at; of an aperture pair, the near end of the working range.
     pub near_focus_mm: f64,
-    /// The distance that the far-focused picture is focused at.
+    /// The distance that the far-focused picture is focused at; of an aperture pair, the far end of the working range.
     pub far_focus_mm: f64,
-    /// From the near to the far focus distance: the working range.
+    /// From the one to the other: the working range.
     pub range_mm: f64,
     /// The largest blur within the working range.
     pub largest_blur_px: f64,
@@ -77,9 +84,9 @@ pub struct DepthMapBody {
     pub depth_mm: Option<DepthSpanBody>,
     /// Noise of a picture in grey levels of 255, as the method sees it; null if it can't.
     pub noise_sigma: Option<f64>,
-    /// By how much the far-focused picture was displaced; it was moved back.
+    /// By how much the far-focused picture was displaced; it was moved back. Of an aperture pair: one of the two.
     pub shift_px: [f64; 2],
-    /// What the far-focused picture was multiplied by.
+    /// What the far-focused picture was multiplied by. Of an aperture pair: one of the two.
     pub gain: f64,
     /// Pixels without a depth, by the reason: `low_texture`, `saturated`, `out_of_range`, `inconsistent`, `border`,
     /// `ambiguous`.
@@ -224,8 +231,7 @@ impl Form {
 
 /// The pictures to measure, and how.
 struct Question {
-    near: Picture,
-    far: Picture,
+    pair: PairPictures,
     calibration: Calibration,
     options: DepthOptions,
     form: Form,
@@ -241,11 +247,11 @@ struct Measured {
 
 /// Decode, measure, write: runs on a computing thread.
 fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> {
-    let Question { near, far, calibration, options, form } = question;
+    let Question { pair, calibration, options, form } = question;
     let mut clock = StageClock::begin();
     let estimator = service.estimators.ready(calibration, options)?;
     clock.end("design");
-    let pair = decoded_pair([near, far], ["near", "far"], &service.decode)?;
+    let pair = pair.decoded(&service.decode)?;
     clock.end("decode");
     let map = estimator.estimate(&pair, &mut |stage| {
         clock.end(match stage {
@@ -262,23 +268,7 @@ fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> 
     Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, clock })
 }
 
-/// The focal pair of two pictures; `names` are their parts'.
-///
-/// # Errors
-/// A picture that can't be decoded, or two that are no pair.
-pub fn decoded_pair(
-    pictures: [&Picture; 2],
-    names: [&str; 2],
-    limits: &DecodeLimits,
-) -> Result<FocalPair, Problem> {
-    let decoded = |at: usize| {
-        let frame = imaging::decode(&pictures[at].bytes, limits);
-        frame.map_err(|error| Problem::from(error).in_part(names[at]))
-    };
-    Ok(FocalPair::new(decoded(0)?, decoded(1)?, pictures[0].bits.min(pictures[1].bits))?)
-}
-
-/// The distance of everything from a near- and a far-focused picture. `Accept` chooses the form: a summary; a 16-bit
+/// The distance of everything from two pictures that differ in focus or in aperture. `Accept` chooses the form: a summary; a 16-bit
 /// PNG (distance = grey level × `X-Depth-Scale-Mm`, 0 = unknown); an array for NumPy; a point cloud in metres; or, for
 /// people, a picture in false colours (near is red). Pictures must be linear in light.
 #[utoipa::path(
@@ -326,13 +316,13 @@ struct Asked {
 impl Asked {
     async fn read(service: &Service, form: Form, request: Request) -> Result<Self, Problem> {
         let texts = ["optics", "calibration", "options"];
-        let mut parts = KnownParts::of(request, service, &["near", "far"], &texts).await?;
-        let (near, far) = (parts.require("near"), parts.require("far"));
+        let mut parts = KnownParts::of(request, service, &PAIR_PARTS, &texts).await?;
+        let pair = PairParts::take(&mut parts);
         let options = parts.object("options")?.unwrap_or_default();
         let (options, faults) = DepthOptionsBody::read(&options);
         parts.faults.extend(faults);
         let rig = rig(&mut parts)?;
-        let (Some(near), Some(far), Some(rig), []) = (near, far, rig, parts.faults.as_slice()) else {
+        let (Some(pair), Some(rig), []) = (pair, rig, parts.faults.as_slice()) else {
             return Err(Problem::fields(parts.faults));
         };
         let (name, calibration, sweep_failed) = match rig {
@@ -343,12 +333,8 @@ impl Asked {
                 (Some(kept.name), kept.calibration, sweep_failed)
             }
         };
-        let picture = |bytes: Bytes, name| {
-            let picture = Picture::of(bytes, &service.decode).and_then(Picture::for_depth);
-            picture.map_err(|problem| problem.in_part(name))
-        };
-        let (near, far) = (picture(near, "near")?, picture(far, "far")?);
-        let question = Question { near, far, calibration, options, form };
+        let pair = pair.pictures(&calibration.optics, &service.decode)?;
+        let question = Question { pair, calibration, options, form };
         Ok(Self { question, calibration: name, sweep_failed, share: parts.share })
     }
 }
@@ -360,7 +346,7 @@ async fn depth_map(
     request: Request,
 ) -> Result<Response, Problem> {
     let Asked { question, calibration, sweep_failed, share } = Asked::read(service, form, request).await?;
-    let memory = question.near.depth_bytes + question.far.depth_bytes;
+    let memory = question.pair.depth_bytes();
     let (optics, options) = (question.calibration.optics, question.options);
     let held = service.clone();
     let work = move || {

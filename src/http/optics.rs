@@ -1,4 +1,4 @@
-//! The optics of a focal pair on the wire.
+//! The optics of two pictures on the wire.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -6,10 +6,12 @@ use utoipa::ToSchema;
 
 use super::options::read_members;
 use super::problem::FieldError;
-use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 
-/// One lens before two sensors. Exactly one of `aperture_mm` and `f_number`, and exactly one of `near_plane_mm` and
-/// `near_focus_mm`.
+/// One lens, and what the two pictures differ by. A *focal pair* (`near`, `far`) has two focus settings: exactly one of
+/// `aperture_mm` and `f_number`, exactly one of `near_plane_mm` and `near_focus_mm`, and `plane_separation_mm`. An *aperture
+/// pair* (`wide`, `narrow`) has one: exactly one of `apertures_mm` and `f_numbers`, exactly one of `plane_mm` and
+/// `focus_mm`, and `range_end_mm`.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OpticsBody {
@@ -29,19 +31,42 @@ pub struct OpticsBody {
     /// The distance in the scene that the near-focused picture is focused at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_focus_mm: Option<f64>,
-    /// How much nearer to the lens the sensor of the far-focused picture stands.
-    #[schema(value_type = f64, minimum = 0.0001, maximum = 1000)]
+    /// Of a focal pair: how much nearer to the lens the sensor of the far-focused picture stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0.0001, maximum = 1000)]
     pub plane_separation_mm: Option<f64>,
+    /// Of an aperture pair: the diameters of both apertures, in either order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub apertures_mm: Option<[f64; 2]>,
+    /// Of an aperture pair: focal length over diameter of both, in either order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_numbers: Option<[f64; 2]>,
+    /// Of an aperture pair: distance from the lens to the sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane_mm: Option<f64>,
+    /// Of an aperture pair: the distance in the scene that both pictures are focused at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focus_mm: Option<f64>,
+    /// Of an aperture pair: how far its working range reaches, beyond the focus or before it. Blur is alike on both sides of
+    /// the focus: what stands on the other side is measured as if it stood on this one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_end_mm: Option<f64>,
     /// Side of a pixel, in µm.
     #[schema(value_type = f64, minimum = 0.1, maximum = 1000)]
     pub pixel_pitch_um: Option<f64>,
-    /// Whether a stop in the front focal plane keeps both pictures at one scale.
+    /// Whether a stop in the front focal plane keeps pictures of all focus settings at one scale.
     #[schema(value_type = bool)]
     pub telecentric: Option<bool>,
     /// Where the optical axis meets the picture; its middle by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub principal_point_px: Option<[f64; 2]>,
 }
+
+/// Members of a focal pair alone.
+const FOCAL_PAIR: [&str; 5] =
+    ["aperture_mm", "f_number", "near_plane_mm", "near_focus_mm", "plane_separation_mm"];
+/// Members of an aperture pair alone.
+const APERTURE_PAIR: [&str; 5] = ["apertures_mm", "f_numbers", "plane_mm", "focus_mm", "range_end_mm"];
 
 /// A distance rounded to a nanometre: what the lens law works out is not more exact, and 500 mm shall read 500.
 pub fn rounded_mm(mm: f64) -> f64 {
@@ -71,37 +96,59 @@ impl OpticsBody {
             value.unwrap_or_default()
         };
         let focal_length_mm = required("focal_length_mm", body.focal_length_mm);
-        let plane_separation_mm = required("plane_separation_mm", body.plane_separation_mm);
+        let is_aperture_pair = APERTURE_PAIR.iter().any(|field| sent(field));
+        let range_mm = match is_aperture_pair {
+            false => required("plane_separation_mm", body.plane_separation_mm),
+            true => required("range_end_mm", body.range_end_mm),
+        };
         let pixel_pitch_um = required("pixel_pitch_um", body.pixel_pitch_um);
         if body.telecentric.is_none() {
             fault("telecentric", "is missing: say true for a stop in the front focal plane, else false");
         }
-        let mut one_of = |[a, b]: [&str; 2], values: [Option<f64>; 2]| match values {
-            [Some(_), Some(_)] => {
+        for field in FOCAL_PAIR.into_iter().filter(|field| is_aperture_pair && sent(field)) {
+            fault(field, "is of a pair of two focus settings, and other members are of one of two apertures");
+        }
+        let mut one_of = |[a, b]: [&str; 2], given: [bool; 2]| match given {
+            [true, true] => {
                 fault(a, &format!("and {b} exclude each other: give one"));
                 fault(b, &format!("and {a} exclude each other: give one"));
             }
             // Either may be the one that was sent and can't be read.
-            [None, None] if [a, b].iter().all(|field| !misshapen.contains(&format!("{at}/{field}"))) => {
+            [false, false] if [a, b].iter().all(|field| !misshapen.contains(&format!("{at}/{field}"))) => {
                 fault(a, &format!("is missing: give {a} or {b}"));
             }
             _ => {}
         };
-        one_of(["aperture_mm", "f_number"], [body.aperture_mm, body.f_number]);
-        one_of(["near_plane_mm", "near_focus_mm"], [body.near_plane_mm, body.near_focus_mm]);
-        let aperture = match (body.aperture_mm, body.f_number) {
+        let of_either = |number: Option<f64>, diameter_mm: Option<f64>| match (diameter_mm, number) {
             (None, Some(number)) => Aperture::FNumber(number),
             (diameter_mm, _) => Aperture::DiameterMm(diameter_mm.unwrap_or_default()),
         };
-        let near_sensor = match (body.near_plane_mm, body.near_focus_mm) {
-            (None, Some(mm)) => NearSensor::FocusMm(mm),
-            (mm, _) => NearSensor::PlaneMm(mm.unwrap_or_default()),
+        let placed = |focus_mm: Option<f64>, plane_mm: Option<f64>| match (plane_mm, focus_mm) {
+            (None, Some(mm)) => Sensor::FocusMm(mm),
+            (mm, _) => Sensor::PlaneMm(mm.unwrap_or_default()),
+        };
+        let pair = if is_aperture_pair {
+            one_of(["apertures_mm", "f_numbers"], [body.apertures_mm.is_some(), body.f_numbers.is_some()]);
+            one_of(["plane_mm", "focus_mm"], [body.plane_mm.is_some(), body.focus_mm.is_some()]);
+            let apertures = [0, 1].map(|k| {
+                of_either(body.f_numbers.map(|numbers| numbers[k]), body.apertures_mm.map(|mm| mm[k]))
+            });
+            Pair::Aperture { apertures, sensor: placed(body.focus_mm, body.plane_mm), range_end_mm: range_mm }
+        } else {
+            one_of(["aperture_mm", "f_number"], [body.aperture_mm.is_some(), body.f_number.is_some()]);
+            one_of(
+                ["near_plane_mm", "near_focus_mm"],
+                [body.near_plane_mm.is_some(), body.near_focus_mm.is_some()],
+            );
+            Pair::Focal {
+                aperture: of_either(body.f_number, body.aperture_mm),
+                near_sensor: placed(body.near_focus_mm, body.near_plane_mm),
+                plane_separation_mm: range_mm,
+            }
         };
         let spec = OpticsSpec {
             focal_length_mm,
-            aperture,
-            near_sensor,
-            plane_separation_mm,
+            pair,
             pixel_pitch_um,
             telecentric: body.telecentric.unwrap_or_default(),
             principal_point_px: body.principal_point_px,
@@ -126,24 +173,27 @@ impl OpticsBody {
 impl From<&Optics> for OpticsBody {
     fn from(optics: &Optics) -> Self {
         let spec = optics.spec();
-        let (aperture_mm, f_number) = match spec.aperture {
-            Aperture::DiameterMm(mm) => (Some(mm), None),
-            Aperture::FNumber(number) => (None, Some(number)),
-        };
-        let (near_plane_mm, near_focus_mm) = match spec.near_sensor {
-            NearSensor::PlaneMm(mm) => (Some(mm), None),
-            NearSensor::FocusMm(mm) => (None, Some(mm)),
-        };
-        Self {
+        let lens = Self {
             focal_length_mm: Some(spec.focal_length_mm),
-            aperture_mm,
-            f_number,
-            near_plane_mm,
-            near_focus_mm,
-            plane_separation_mm: Some(spec.plane_separation_mm),
             pixel_pitch_um: Some(spec.pixel_pitch_um),
             telecentric: Some(spec.telecentric),
             principal_point_px: spec.principal_point_px,
+            ..Self::default()
+        };
+        let f = spec.focal_length_mm;
+        match spec.pair {
+            Pair::Focal { aperture, near_sensor, plane_separation_mm } => Self {
+                aperture_mm: Some(aperture.diameter_mm(f)),
+                near_plane_mm: near_sensor.plane_mm(f),
+                plane_separation_mm: Some(plane_separation_mm),
+                ..lens
+            },
+            Pair::Aperture { apertures, sensor, range_end_mm } => Self {
+                apertures_mm: Some(apertures.map(|aperture| aperture.diameter_mm(f))),
+                plane_mm: sensor.plane_mm(f),
+                range_end_mm: Some(range_end_mm),
+                ..lens
+            },
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Metric depth from a near- and a far-focused picture (B§4): optics, registration, three estimators, calibration.
+//! Metric depth from two pictures that differ in focus or in aperture (B§4): optics, registration, three estimators,
+//! calibration. *Near* is the first picture of [`Optics`], *far* the second, also where they differ in aperture.
 //!
 //! Lengths in mm from the lens' principal plane, pixels as everywhere: x right, y down, the origin at the centre of
 //! the top-left one. A depth is the distance along the optical axis. Gray levels are 0..=255 and linear in light. β in
@@ -38,7 +39,7 @@ pub use depth_map::{DepthMap, DepthSpan, Flag, Summary, Warning};
 pub use estimator::{EstimateError, Estimator, EstimatorError, Stage};
 pub use fault::Fault;
 pub use focal_pair::{FocalPair, PairError};
-pub use optics::{Aperture, NearSensor, Optics, OpticsSpec};
+pub use optics::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 pub use options::{DepthOptions, Median, Method, Window};
 pub use prediction::{Expected, Prediction, Scenery, predicted};
 pub use sweep::{MAX_PLANES, MIN_PLANES, Sweep, SweepError};
