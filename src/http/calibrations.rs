@@ -230,7 +230,7 @@ pub async fn register(
 ) -> Result<Json<CalibrationBody>, Problem> {
     let rig = service.databases.rig(&path.name).await?;
     let names = registration_parts(&rig.calibration.optics);
-    let mut parts = KnownParts::of(request, &service, names.as_flattened(), &[]).await?;
+    let mut parts = KnownParts::of(request, &service, names.as_flattened(), &[], None).await?;
     let pictures = RegistrationPictures::take(&mut parts, names, &service.decode)?;
     let memory = pictures.depth_bytes();
     let (calibration, limits, share) = (rig.calibration.clone(), service.decode, parts.share);

@@ -189,7 +189,8 @@ impl Pictures {
         service: &Service,
     ) -> Result<Self, Problem> {
         let mut parts =
-            KnownParts::of(request, service, &["overview", "near", "far", "wide", "narrow"], &[]).await?;
+            KnownParts::of(request, service, &["overview", "near", "far", "wide", "narrow"], &[], None)
+                .await?;
         let wrong = pair_faults(&parts, query, calibration.is_some());
         let overview = parts.require("overview");
         parts.faults.extend(wrong);

@@ -59,7 +59,7 @@ impl PairParts {
 ///
 /// # Errors
 /// No picture, or one that is too large.
-pub fn depth_picture(name: &'static str, bytes: Bytes, limits: &DecodeLimits) -> Result<Picture, Problem> {
+pub fn depth_picture(name: &str, bytes: Bytes, limits: &DecodeLimits) -> Result<Picture, Problem> {
     Picture::of(bytes, limits).and_then(Picture::for_depth).map_err(|problem| problem.in_part(name))
 }
 

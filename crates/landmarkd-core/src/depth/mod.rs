@@ -5,6 +5,7 @@
 //! the top-left one. A depth is the distance along the optical axis. Gray levels are 0..=255 and linear in light. β in
 //! [−1, 1] says where between the two sensors a point is sharp: +1 on the near-focused one, −1 on the far-focused one.
 
+mod blur_scale;
 mod brightness;
 mod calibration;
 mod dense_map;
@@ -14,6 +15,7 @@ mod estimator;
 mod fault;
 mod filtering;
 mod focal_pair;
+mod focus_stack;
 mod gram;
 mod kernels;
 mod laplacian;
@@ -31,6 +33,7 @@ mod stm;
 mod sweep;
 mod windows;
 
+pub use blur_scale::{BlurScale, BlurScaleError, blur_scale};
 pub use calibration::{
     Calibration, Filters, ImageSize, Noise, Photometric, Registration, RegistrationError, RegistrationTarget,
     Residual, Table,
@@ -39,6 +42,7 @@ pub use depth_map::{DepthMap, DepthSpan, Flag, Summary, Warning};
 pub use estimator::{EstimateError, Estimator, EstimatorError, Stage};
 pub use fault::Fault;
 pub use focal_pair::{FocalPair, PairError};
+pub use focus_stack::{FocusStack, STACK_PICTURES, StackEstimator, StackOptics, StackSpec};
 pub use optics::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 pub use options::{DepthOptions, Median, Method, Window};
 pub use prediction::{Expected, Prediction, Scenery, predicted};

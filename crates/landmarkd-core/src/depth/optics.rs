@@ -366,6 +366,17 @@ impl Optics {
         }
     }
 
+    /// The same with apertures that make this the largest blur.
+    pub(super) fn with_largest_blur(&self, blur_px: f64) -> Optics {
+        let scale = blur_px / self.largest_blur_px();
+        Optics { apertures_mm: self.apertures_mm.map(|mm| mm * scale), ..*self }
+    }
+
+    /// Diameters of the first and the second picture's aperture, in mm.
+    pub fn apertures_mm(&self) -> [f64; 2] {
+        self.apertures_mm
+    }
+
     /// The names of the first and the second picture.
     pub fn picture_names(&self) -> [&'static str; 2] {
         match self.range_end_mm {

@@ -411,6 +411,14 @@ impl Rendered {
         FocalPair::new(frame(&self.near), frame(&self.far), self.bits)
     }
 
+    /// The same with the pictures exchanged.
+    ///
+    /// # Errors
+    /// As of [`FocalPair::new`].
+    pub fn exchanged_pair(&self) -> Result<FocalPair, PairError> {
+        Rendered { near: self.far.clone(), far: self.near.clone(), ..self.clone() }.pair()
+    }
+
     /// The near- and the far-focused picture as PNG files.
     pub fn pngs(&self) -> [Vec<u8>; 2] {
         [&self.near, &self.far].map(|samples| {
