@@ -214,7 +214,7 @@ async fn a_focus_stack_measures_beyond_its_first_two_settings() {
     };
     // Beyond the second focus, so by the second pair alone.
     let whole = camera(2).optics;
-    let depth_mm = whole.depth_mm(-0.5);
+    let depth_mm = whole.depth_mm(-0.35);
     let shown = |last: usize| {
         let optics = camera(last).optics;
         let share = (depth_mm - optics.near_focus_mm()) / optics.range_mm();
