@@ -447,6 +447,8 @@ impl Asked {
                 return Ok(Self { question, calibration: None, sweep_failed: false, share: parts.share });
             }
             Some(RigPart::Pair(rig)) => Some(rig),
+            // The optics of a stack that can't be: its pictures are no wrong pair.
+            None if !parts.list.is_empty() => return Err(Problem::fields(parts.faults)),
             None => None,
         };
         if !parts.list.is_empty() {
