@@ -264,7 +264,7 @@ struct Question {
 enum Pictures {
     Pair {
         pictures: PairPictures,
-        calibration: Calibration,
+        calibration: Box<Calibration>,
         /// Else the blur is measured from the pictures first.
         aperture_known: bool,
     },
@@ -473,7 +473,7 @@ impl Asked {
             }
         };
         let pictures = pair.pictures(&calibration.optics, &service.decode)?;
-        let pictures = Pictures::Pair { pictures, calibration, aperture_known };
+        let pictures = Pictures::Pair { pictures, calibration: Box::new(calibration), aperture_known };
         let question = Question { pictures, options, form };
         Ok(Self { question, calibration: name, sweep_failed, share: parts.share })
     }
