@@ -1,4 +1,4 @@
-// #/depth: how far everything is, from a picture focused near and one focused far.
+// #/depth: how far everything is, from a picture focused near and one focused far, or from one wide open and one stopped down.
 
 import {h, replace} from "./dom.js";
 import {all, call, post, Problem, put} from "./api.js";
@@ -6,7 +6,7 @@ import {act, confirm, number, pictures, problem, toast} from "./parts.js";
 import {checkField, choiceField, download, markFaults, numberField, numberIn, textField} from "./fields.js";
 import {DEPTH_WARNINGS, depthMapView} from "./depth_map.js";
 import {nearToFar, quantiles} from "./false_colours.js";
-import {lensOf} from "./optics.js";
+import {isAperturePair, isStack, lensOf} from "./optics.js";
 import {opticsFigure} from "./optics_figure.js";
 import {predictionCard} from "./prediction.js";
 import {pointCloud} from "./point_cloud.js";
@@ -17,8 +17,14 @@ const LAST = "landmarkd-optics";
 // A 35 mm lens at f/8: a working range of 500 to 583 mm with a largest blur of 5 px.
 const EXAMPLE = {focal_length_mm: 35, f_number: 8, near_focus_mm: 500, plane_separation_mm: 0.4, pixel_pitch_um: 10, telecentric: true};
 const MOST_POINTS = 120000;
-// Kept while other pages are shown.
+// The pictures of either kind of pair: the names of their parts, and what they are.
+const FOCAL = [["near", "Near-focused", "Drop the picture that is focused near"], ["far", "Far-focused", "Drop the picture that is focused far"]];
+const APERTURE = [["wide", "Wide open", "Drop the picture of the wider aperture"],
+  ["narrow", "Stopped down", "Drop the picture of the narrower aperture"]];
+// The first and the second picture, kept while other pages are shown.
 const pair = {near: null, far: null};
+// The pictures of a stack, from near to far.
+const stack = {files: []};
 
 function lastOptics() {
   try {
@@ -34,9 +40,12 @@ function remember(optics) {
   } catch { /* this browser stores nothing */ }
 }
 
-// One picture of the pair: a preview, and where to drop another.
-function pictureChoice(role, title, hint, onChange, signal) {
+// One picture of the pair: a preview, and where to drop another. `name(title, hint)` says which it is.
+function pictureChoice(role, onChange, signal) {
   const preview = h("div", {class: "pair-preview"});
+  const heading = h("h2", {});
+  const choice = h("div", {});
+  let title = "";
   async function show() {
     const file = pair[role];
     if (!file) return void replace(preview);
@@ -45,15 +54,34 @@ function pictureChoice(role, title, hint, onChange, signal) {
       h("p", {class: "muted"}, shown ? file.name : `${file.name}: this browser can't show it; the service may.`));
   }
   show();
-  return {node: h("section", {class: "card", id: `pair-${role}`}, h("h2", {}, title), preview,
-    pictures({label: hint, onPictures([{file}]) { pair[role] = file; show(); onChange(); }})), show};
+  function name(words, hint) {
+    if (words === title) return;
+    title = words;
+    replace(heading, title);
+    replace(choice, pictures({label: hint, onPictures([{file}]) { pair[role] = file; show(); onChange(); }}));
+  }
+  return {node: h("section", {class: "card", id: `pair-${role}`}, heading, preview, choice), show, name};
+}
+
+// The pictures of a stack: their names in order, and where to drop others.
+function stackChoice(onChange) {
+  const list = h("ol", {});
+  const show = () => replace(list, stack.files.map((file) => h("li", {}, file.name)));
+  show();
+  return h("section", {class: "card", id: "stack-pictures"}, h("h2", {}, "Pictures of the stack"), list,
+    pictures({label: "Drop the pictures together, named in the order of their focus from near to far", multiple: true,
+      onPictures(dropped) {
+        stack.files = dropped.map(({file}) => file).toSorted((a, b) => a.name.localeCompare(b.name, undefined, {numeric: true}));
+        show();
+        onChange();
+      }}));
 }
 
 // The form of the optics: by hand, or those of a stored calibration.
 function opticsForm(calibrations, onChange) {
   const last = lastOptics();
   const kinds = {
-    aperture: [["f_number", "f-number"], ["aperture_mm", "aperture, mm"]],
+    aperture: [["f_number", "f-number"], ["aperture_mm", "aperture, mm"], ["aperture", "unknown aperture"]],
     sensor: [["near_focus_mm", "near focus, mm"], ["near_plane_mm", "near sensor at, mm"]],
   };
   const either = (kind, value, hint) => h("div", {class: "field either"},
@@ -61,13 +89,28 @@ function opticsForm(calibrations, onChange) {
       {"aria-label": `The ${kind} is given as`}),
     h("input", {type: "number", step: "any", min: 0, inputmode: "decimal", name: `${kind}_value`, value,
       "aria-label": `${kind === "sensor" ? "Near focus or near sensor" : "f-number or aperture"}`}), h("span", {class: "hint"}, hint));
-  const byHand = h("div", {class: "fields"},
-    numberField("Focal length, mm", "focal_length_mm", last.focal_length_mm, {min: 0}),
-    either("aperture", last.f_number ?? last.aperture_mm, "How wide the lens is."),
-    either("sensor", last.near_focus_mm ?? last.near_plane_mm,
+  const ofFocal = h("div", {class: "fields"},
+    either("sensor", last.near_focus_mm ?? last.near_plane_mm ?? EXAMPLE.near_focus_mm,
       "What the near-focused picture is sharp at, or its sensor's distance from the lens."),
-    numberField("Sensors apart, mm", "plane_separation_mm", last.plane_separation_mm,
-      {min: 0, hint: "How much nearer to the lens the far-focused picture's sensor stands."}),
+    numberField("Sensors apart, mm", "plane_separation_mm", last.plane_separation_mm ?? EXAMPLE.plane_separation_mm,
+      {min: 0, hint: "How much nearer to the lens the far-focused picture's sensor stands."}));
+  const ofApertures = h("div", {class: "fields"},
+    numberField("f-number, wide open", "f_number_wide", last.f_numbers?.[0] ?? 2.8, {min: 0}),
+    numberField("f-number, stopped down", "f_number_narrow", last.f_numbers?.[1] ?? 8, {min: 0}),
+    numberField("Focus, mm", "focus_mm", last.focus_mm ?? 500, {min: 0, hint: "What both pictures are sharp at."}),
+    numberField("Range ends at, mm", "range_end_mm", last.range_end_mm ?? 540,
+      {min: 0, hint: "Beyond the focus or before it: what stands on its other side is measured as if it stood on this one."}));
+  const ofStack = h("div", {class: "fields"},
+    textField("Focus distances, mm", "focuses_mm", (last.focuses_mm ?? [500, 583, 701]).join(", "),
+      {hint: "Three and more, from near to far, with commas between."}));
+  const aperture = either("aperture", last.f_number ?? last.aperture_mm ?? EXAMPLE.f_number,
+    "How wide the lens is. Unknown, it is measured from two textured pictures.");
+  const byHand = h("div", {class: "fields"},
+    choiceField("The pictures differ in", "pair_kind",
+      [["focus", "focus, two settings"], ["aperture", "aperture"], ["stack", "focus, three settings and more"]],
+      isAperturePair(last) ? "aperture" : isStack(last) ? "stack" : "focus"),
+    numberField("Focal length, mm", "focal_length_mm", last.focal_length_mm, {min: 0}),
+    aperture, ofFocal, ofApertures, ofStack,
     numberField("Pixel pitch, µm", "pixel_pitch_um", last.pixel_pitch_um, {min: 0}),
     numberField("Optical axis at x, px", "axis_x", last.principal_point_px?.[0], {hint: "Empty: the picture's middle."}),
     numberField("Optical axis at y, px", "axis_y", last.principal_point_px?.[1]),
@@ -78,29 +121,44 @@ function opticsForm(calibrations, onChange) {
       : null;
   const form = h("form", {id: "optics-form", onSubmit: (event) => event.preventDefault()}, source, byHand, stored);
   const chosen = () => calibrations.find(({name}) => name === form.elements.calibration?.value);
+  const differIn = (kind) => form.elements.pair_kind.value === kind;
   function read() {
     const [x, y] = [numberIn(form, "axis_x"), numberIn(form, "axis_y")];
+    const wide = form.elements.aperture_kind.value;
+    const oneAperture = {[wide]: wide === "aperture" ? "unknown" : numberIn(form, "aperture_value")};
+    const differ = {
+      focus: () => ({...oneAperture, [form.elements.sensor_kind.value]: numberIn(form, "sensor_value"),
+        plane_separation_mm: numberIn(form, "plane_separation_mm")}),
+      aperture: () => ({f_numbers: [numberIn(form, "f_number_wide") ?? null, numberIn(form, "f_number_narrow") ?? null],
+        focus_mm: numberIn(form, "focus_mm"), range_end_mm: numberIn(form, "range_end_mm")}),
+      stack: () => ({...oneAperture, focuses_mm: form.elements.focuses_mm.value.split(",").map((mm) => Number(mm))}),
+    }[form.elements.pair_kind.value];
     return {
       focal_length_mm: numberIn(form, "focal_length_mm"),
-      [form.elements.aperture_kind.value]: numberIn(form, "aperture_value"),
-      [form.elements.sensor_kind.value]: numberIn(form, "sensor_value"),
-      plane_separation_mm: numberIn(form, "plane_separation_mm"),
+      ...differ(),
       pixel_pitch_um: numberIn(form, "pixel_pitch_um"),
       telecentric: form.elements.telecentric.checked,
       ...x !== undefined || y !== undefined ? {principal_point_px: [x ?? null, y ?? null]} : {},
     };
   }
   let before = read();
+  const showKind = () => {
+    [ofFocal.hidden, ofApertures.hidden, ofStack.hidden] = ["focus", "aperture", "stack"].map((kind) => !differIn(kind));
+    aperture.hidden = differIn("aperture");
+    form.elements.aperture_value.disabled = form.elements.aperture_kind.value === "aperture";
+  };
+  showKind();
   form.addEventListener("input", (event) => {
     // Another unit for the same lens: the value is converted.
-    if (/_kind$/.test(event.target.name)) {
+    if (/^(aperture|sensor)_kind$/.test(event.target.name)) {
       try {
         const lens = lensOf(before);
         const same = {f_number: lens.focalLength / lens.aperture, aperture_mm: lens.aperture, near_focus_mm: lens.nearFocus,
           near_plane_mm: lens.nearPlane}[event.target.value];
-        form.elements[event.target.name.replace("kind", "value")].value = Number(same.toPrecision(10));
+        if (same !== undefined) form.elements[event.target.name.replace("kind", "value")].value = Number(same.toPrecision(10));
       } catch { /* impossible optics are not converted */ }
     }
+    showKind();
     before = read();
     byHand.hidden = !!chosen();
     replace(stored, chosen() ? storedFacts(chosen()) : null);
@@ -113,8 +171,8 @@ function opticsForm(calibrations, onChange) {
     optics: () => chosen()?.optics ?? read(),
     part: () => chosen() ? ["calibration", chosen().name] : ["optics", JSON.stringify(read())],
     mark: (error) => markFaults(form, {errors: (error?.errors ?? []).map(({pointer}) => ({
-      pointer: pointer.replace(/f_number|aperture_mm/, "aperture_value").replace(/near_focus_mm|near_plane_mm/, "sensor_value")
-        .replace(/principal_point_px/, "axis_x/axis_y")}))}),
+      pointer: pointer.replace(/\bf_number\b|\baperture(_mm)?\b/, "aperture_value").replace(/near_focus_mm|near_plane_mm/, "sensor_value")
+        .replace(/principal_point_px/, "axis_x/axis_y").replace(/f_numbers|apertures_mm/, "f_number_wide/f_number_narrow")}))}),
   };
 }
 
@@ -170,7 +228,7 @@ function cloudOf(map, optics) {
 
 // The result: the summary first, then the map with its profile and its point cloud.
 function results(summary, map, optics, files) {
-  const {coverage, depth_mm: span, warnings} = summary;
+  const {coverage, depth_mm: span, warnings, blur_scale: scale} = summary;
   const typical = quantiles(map.sigma.filter((_, at) => !map.flags[at]), [0.5])?.[0];
   const view = depthMapView(map, [summary.near_focus_mm, summary.far_focus_mm]);
   const fact = (name, value) => h("div", {}, h("dt", {}, name), h("dd", {}, value));
@@ -184,6 +242,7 @@ function results(summary, map, optics, files) {
       h("dl", {class: "facts"},
         fact("Working range", `${number(summary.near_focus_mm, 1)} to ${number(summary.far_focus_mm, 1)} mm`),
         fact("Largest blur", `${number(summary.largest_blur_px, 1)} px`),
+        scale && fact("Aperture, measured", `${number(scale.aperture_mm)} mm: ${number(scale.largest_blur_px)} ± ${number(scale.sigma_px)} px`),
         fact("Noise", summary.noise_sigma === null ? "unknown" : `${number(summary.noise_sigma)} of 255`),
         fact("Shift taken out", `${summary.shift_px.map((px) => number(px)).join(", ")} px`),
         fact("Gain of far", number(summary.gain, 3)),
@@ -217,27 +276,41 @@ export async function show(main, parts, signal) {
       await put(`v1/calibrations/${encodeURIComponent(name)}`, optics.optics());
       toast(`Kept as the calibration ${name}.`);
     }, {place: keepFault, kind: "quiet"}), keepFault);
-  const optics = opticsForm(calibrations, () => figure.update(optics.optics()));
+  const optics = opticsForm(calibrations, () => { figure.update(optics.optics()); name(); ready(); });
+  const kind = () => isAperturePair(optics.optics()) ? APERTURE : FOCAL;
   const options = optionsForm();
   const hint = h("p", {class: "muted", id: "measure-hint"});
   const ready = () => {
-    const missing = ["near", "far"].filter((role) => !pair[role]);
+    const settings = optics.optics().focuses_mm?.length;
+    stacked.hidden = settings === undefined;
+    twoPictures.hidden = swap.hidden = settings !== undefined;
+    if (settings !== undefined) {
+      measure.disabled = stack.files.length !== settings;
+      return void replace(hint, measure.disabled ? `${settings} focus distances, and ${stack.files.length} pictures.` : "");
+    }
+    const missing = ["near", "far"].flatMap((role, k) => pair[role] ? [] : [kind()[k][1].toLowerCase()]);
     measure.disabled = missing.length > 0;
-    replace(hint, missing.length ? `Still missing: the ${missing.join(" and the ")}-focused picture.` : "");
+    replace(hint, missing.length ? `Still missing: the ${missing.join(" and the ")} picture.` : "");
   };
-  const near = pictureChoice("near", "Near-focused", "Drop the picture that is focused near", () => ready(), signal);
-  const far = pictureChoice("far", "Far-focused", "Drop the picture that is focused far", () => ready(), signal);
+  const near = pictureChoice("near", () => ready(), signal);
+  const far = pictureChoice("far", () => ready(), signal);
+  const name = () => [near, far].forEach((choice, k) => choice.name(...kind()[k].slice(1)));
+  name();
+  const twoPictures = h("div", {class: "split even"}, near.node, far.node);
+  const stacked = stackChoice(() => ready());
 
   let earlier = new AbortController();
   async function run() {
     earlier.abort();
     earlier = new AbortController();
     const now = AbortSignal.any([signal, earlier.signal]);
-    const sent = {near: pair.near, far: pair.far, optics: optics.optics(), part: optics.part(), options: options.read()};
+    const lens = optics.optics();
+    const pairParts = kind().map(([part], k) => [part, [pair.near, pair.far][k]]);
+    const parts = isStack(lens) ? stack.files.map((file) => ["stack", file]) : pairParts;
+    const sent = {parts, near: parts[0][1], optics: lens, part: optics.part(), options: options.read()};
     const form = () => {
       const body = new FormData();
-      body.append("near", sent.near, sent.near.name);
-      body.append("far", sent.far, sent.far.name);
+      for (const [part, file] of sent.parts) body.append(part, file, file.name);
       body.append(...sent.part);
       body.append("options", JSON.stringify(sent.options));
       return body;
@@ -276,12 +349,13 @@ export async function show(main, parts, signal) {
     }
   }
   const measure = act("Measure", run, {place: fault, id: "measure", "aria-describedby": "measure-hint"});
-  const swap = act("Swap near and far", async () => { [pair.near, pair.far] = [pair.far, pair.near]; near.show(); far.show(); },
+  const swap = act("Swap the pictures", async () => { [pair.near, pair.far] = [pair.far, pair.near]; near.show(); far.show(); },
     {kind: "quiet"});
   replace(main,
     h("h1", {}, "Depth"),
-    h("p", {}, "Two pictures of one scene, one focused near and one far: how blurred each point is in both says how far it is."),
-    h("div", {class: "split even"}, near.node, far.node),
+    h("p", {}, "Two pictures of one scene, one focused near and one far, or one wide open and one stopped down: how blurred each "
+      + "point is in both says how far it is."),
+    twoPictures, stacked,
     h("section", {class: "card"}, h("h2", {}, "Optics"), h("div", {class: "split even"}, h("div", {}, optics.node, keeping), figure.node)),
     predictionCard(() => optics.optics(), signal),
     options.node,

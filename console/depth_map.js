@@ -10,7 +10,7 @@ const FLAGS = [
   {bit: 16, word: "border", colour: [120, 120, 120], why: "the filters don't fit into the picture here"},
   {bit: 2, word: "saturated", colour: [250, 250, 250], why: "full scale within 8 px in either picture: expose less"},
   {bit: 1, word: "low_texture", colour: [90, 120, 230], why: "too little detail: more light, or a projected pattern"},
-  {bit: 4, word: "out_of_range", colour: [240, 200, 40], why: "nearer or farther than the two focus distances"},
+  {bit: 4, word: "out_of_range", colour: [240, 200, 40], why: "nearer or farther than the working range"},
   {bit: 8, word: "inconsistent", colour: [230, 70, 50],
     why: "no one depth explains it: an edge, motion, glint, or pictures out of register"},
   {bit: 32, word: "ambiguous", colour: [200, 80, 200], why: "a second depth explains it nearly as well: a fine regular pattern"},
@@ -30,13 +30,15 @@ export const DEPTH_WARNINGS = {
   misregistered: "No shift, scale and turn brings the pictures' parts together: the camera tilted, or much of the scene moved.",
   contrast_off: "The pictures' contrasts differ by another factor than their brightness, and were matched: one has a dark level or "
     + "a tone curve that the other has not. Take linear pictures, or calibrate with dark ones.",
+  scale_estimated: "The aperture was measured from these pictures: all distances share its error. State it once it is known.",
   sweep_failed: "The calibration's newest sweep failed: what was measured before it answers.",
   gain_off: "The pictures' brightness differs by more than 3 %, and was matched: use one exposure for both, "
     + "or calibrate with dark and flat pictures.",
   many_inconsistent: "More than a fifth of the pixels with texture fit no depth: the scene moved between the pictures, "
     + "they are out of register, or the optics aren't these.",
   low_coverage: "Fewer than 5 % of the pixels have a distance: the layer Flags says why.",
-  near_far_swapped: "The scales of the pictures say that near and far are exchanged: swap them and measure again.",
+  near_far_swapped: "The pictures are exchanged, as the scales of near and far say, or the detail of two apertures: swap them and "
+    + "measure again.",
 };
 
 const LAYERS = [["depth", "Depth"], ["sigma", "Uncertainty"], ["flags", "Flags"], ["coverage", "Coverage"]];

@@ -1,4 +1,5 @@
-// The figure of the optics: the two focus planes, the rays from a point to the sensors, and the blur against distance.
+// The figure of the optics: of a focal pair the two focus planes and the rays from a point to the sensors; and the blur against
+// distance.
 
 import {h, picture, replace, svg} from "./dom.js";
 import {number} from "./parts.js";
@@ -50,8 +51,9 @@ function chart(lens, u, [from, to]) {
   const curve = (sensor, kind) => path(steps.map((distance) => [x(distance), y(lens.blur(distance)[sensor])]), `curve ${kind}`);
   const [near, far] = lens.blur(u);
   return picture(
-    `Blur against distance: the near-focused sensor is sharp at ${number(lens.nearFocus, 1)} mm and blurred by `
-      + `${number(lens.blur(lens.farFocus)[0], 1)} px at ${number(lens.farFocus, 1)} mm, the far-focused one the other way round.`,
+    `Blur against distance, ${lens.names.join(" and ")}: ${lens.blur(lens.nearFocus).map((px) => number(px, 1)).join(" and ")} px at `
+      + `${number(lens.nearFocus, 1)} mm, ${lens.blur(lens.farFocus).map((px) => number(px, 1)).join(" and ")} px at `
+      + `${number(lens.farFocus, 1)} mm.`,
     480, 226,
     svg("rect", {x: x(lens.nearFocus), y: top, width: x(lens.farFocus) - x(lens.nearFocus), height: bottom - top, class: "working"}),
     ticks(0, most, 4).map((blur) => [line(left, y(blur), right, y(blur), "axis"), text(left - 5, y(blur) + 4, number(blur, 1), "end")]),
@@ -61,7 +63,7 @@ function chart(lens, u, [from, to]) {
     curve(0, "near"), curve(1, "far"),
     line(x(u), top, x(u), bottom, "dashed"),
     svg("circle", {cx: x(u), cy: y(near), r: 4, class: "dot near"}), svg("circle", {cx: x(u), cy: y(far), r: 4, class: "dot far"}),
-    [["near-focused", "near", 34], ["far-focused", "far", 164]].map(([words, kind, at]) =>
+    [[lens.names[0], "near", 34], [lens.names[1], "far", 164]].map(([words, kind, at]) =>
       [line(at, bottom + 41, at + 20, bottom + 41, `curve ${kind}`),
         text(at + 25, bottom + 45, words, "start")]));
 }
@@ -81,9 +83,10 @@ export function opticsFigure() {
   const control = h("div", {class: "field"}, h("label", {for: "optics-point"}, "A point at ", reading), slider);
   const facts = h("p", {});
   const rows = h("tbody", {});
+  const [firstName, secondName] = [0, 1].map(() => h("th", {class: "n"}));
   const table = h("details", {}, h("summary", {}, "The same in figures"),
     h("table", {}, h("thead", {},
-      h("tr", {}, h("th", {}, "Distance"), h("th", {class: "n"}, "Near-focused"), h("th", {class: "n"}, "Far-focused"))), rows));
+      h("tr", {}, h("th", {}, "Distance"), firstName, secondName)), rows));
   let lens = null;
   function draw() {
     const from = Math.max(lens.focalLength * 1.02 + 1e-6, lens.nearFocus - 0.4 * lens.range);
@@ -91,7 +94,8 @@ export function opticsFigure() {
     const u = from + (to - from) * Number(slider.value);
     replace(reading, `${number(u, 1)} mm`);
     slider.setAttribute("aria-valuetext", `${number(u, 1)} mm`);
-    replace(place, scene(lens, u, to), chart(lens, u, [from, to]));
+    replace(place, lens.separation > 0 ? scene(lens, u, to) : null, chart(lens, u, [from, to]));
+    [firstName, secondName].forEach((cell, k) => replace(cell, lens.names[k]));
     replace(facts, `Measures from ${number(lens.nearFocus, 2)} to ${number(lens.farFocus, 2)} mm. `
       + `Largest blur ${number(lens.largestBlur, 2)} px: ${verdict(lens.largestBlur)}.`);
     replace(rows, [0, 0.25, 0.5, 0.75, 1].map((part) => {
@@ -108,7 +112,8 @@ export function opticsFigure() {
       try {
         lens = lensOf(optics);
         if (!(lens.range > 0 && Number.isFinite(lens.farFocus))) {
-          throw new Error("Both sensors are focused at one distance: take a larger separation.");
+          throw new Error(lens.separation > 0 ? "Both sensors are focused at one distance: take a larger separation."
+            : "The range must end at another distance than the focus: on which side says which is measured.");
         }
         if (!place.isConnected) replace(node, facts, place, control, table);
         draw();

@@ -114,6 +114,8 @@ codes! {
         "Show a plane with more texture, or a projected pattern, at the depth that `detail` names.",
     NotMonotone "not_monotone" 422 "What the sweep measures is not in the order of its depths"
         "Look after the plane that `detail` names: its depth is wrong, or its pictures are of another one.",
+    ScaleUnclear "scale_unclear" 422 "The pictures don't say how wide the aperture is"
+        "State the aperture, or photograph a scene full of fine irregular texture at several distances.",
     UnreadablePicture "unreadable_picture" 422 "A picture of the sweep can't be read"
         "Sweep again: a picture of it is gone or can't be decoded.",
     NoExemplars "no_exemplars" 422 "There is nothing to train from"

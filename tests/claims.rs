@@ -26,6 +26,8 @@ mod places;
 mod random;
 #[path = "claims/real.rs"]
 mod real;
+#[path = "claims/rigs.rs"]
+mod rigs;
 #[path = "claims/table.rs"]
 mod table;
 #[path = "claims/table_scene.rs"]

@@ -11,7 +11,7 @@ use super::client::{DepthSummary, Server};
 use super::files::write_file;
 use crate::evaluate::depth::{DepthErrors, DepthPair, Plane};
 use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 
 /// The folder of the pictures.
 const FOLDER: &str = "demo-depth";
@@ -46,9 +46,11 @@ pub struct MeasuredScene {
 fn camera() -> Camera {
     let spec = OpticsSpec {
         focal_length_mm: FOCAL_LENGTH_MM,
-        aperture: Aperture::FNumber(F_NUMBER),
-        near_sensor: NearSensor::FocusMm(NEAR_FOCUS_MM),
-        plane_separation_mm: PLANE_SEPARATION_MM,
+        pair: Pair::Focal {
+            aperture: Aperture::FNumber(F_NUMBER),
+            near_sensor: Sensor::FocusMm(NEAR_FOCUS_MM),
+            plane_separation_mm: PLANE_SEPARATION_MM,
+        },
         pixel_pitch_um: PIXEL_PITCH_UM,
         telecentric: true,
         principal_point_px: None,

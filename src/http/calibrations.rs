@@ -1,5 +1,7 @@
 //! `/v1/calibrations[/{name}[/registration]]`: what is known of the rigs that depth is measured with.
 
+use std::collections::BTreeMap;
+
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::StatusCode;
@@ -9,10 +11,10 @@ use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
-use super::depth_maps::decoded_pair;
 use super::extract::{Json as JsonIn, Path, Query};
 use super::optics::{OpticsBody, rounded_mm};
 use super::pages::{self, Page, PageQuery};
+use super::pairs::{PairPictures, depth_picture};
 use super::problem::{Code, FieldError, Problem};
 use super::uploads::{KnownParts, Picture};
 use super::{Service, put_status};
@@ -23,7 +25,7 @@ use crate::database::calibrations::{
     CALIBRATION_DOCUMENT_VERSION, FiltersDocument, ImageDocument, NoiseDocument, PhotometricDocument,
     RegistrationDocument, ResidualDocument, Rig, TableDocument,
 };
-use landmarkd_core::depth::{Calibration, RegistrationTarget};
+use landmarkd_core::depth::{Calibration, Optics, RegistrationTarget};
 use landmarkd_core::imaging::{self, DecodeLimits};
 
 /// The calibration that a call is about.
@@ -54,11 +56,11 @@ pub struct CalibrationBody {
     pub filters: Option<FiltersDocument>,
     pub table: Option<TableDocument>,
     pub residual: Option<ResidualDocument>,
-    /// The distance that the near-focused picture is focused at.
+    /// The distance that the near-focused picture is focused at; of an aperture pair, the near end of the working range.
     pub near_focus_mm: f64,
-    /// The distance that the far-focused picture is focused at.
+    /// The distance that the far-focused picture is focused at; of an aperture pair, the far end of the working range.
     pub far_focus_mm: f64,
-    /// From the near to the far focus distance: the working range.
+    /// From the one to the other: the working range.
     pub range_mm: f64,
     /// The largest blur within the working range.
     pub largest_blur_px: f64,
@@ -168,16 +170,17 @@ pub async fn delete(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Pictures to register by.
+/// Pictures to register by. Of a rig of two apertures `wide` and `narrow` stand for `near` and `far`, also in `dark_wide`
+/// and the others.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
 pub struct RegistrationForm {
     /// The near-focused picture of a flat target with fine irregular texture, within the working range.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    near: String,
+    near: Option<String>,
     /// The far-focused picture of it.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    far: String,
+    far: Option<String>,
     /// The near-focused sensor's picture in the dark; with `dark_far`.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
     dark_near: Option<String>,
@@ -188,9 +191,28 @@ pub struct RegistrationForm {
     flat_near: Option<String>,
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
     flat_far: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    wide: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    narrow: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    dark_wide: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    dark_narrow: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    flat_wide: Option<String>,
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    flat_narrow: Option<String>,
 }
 
-const REGISTRATION_PARTS: [&str; 6] = ["near", "far", "dark_near", "dark_far", "flat_near", "flat_far"];
+/// The parts of a registration in the order of the optics' pictures: of the target, in the dark, of white.
+fn registration_parts(optics: &Optics) -> [[&'static str; 2]; 3] {
+    match optics.picture_names() {
+        ["wide", _] => [["wide", "narrow"], ["dark_wide", "dark_narrow"], ["flat_wide", "flat_narrow"]],
+        ["narrow", _] => [["narrow", "wide"], ["dark_narrow", "dark_wide"], ["flat_narrow", "flat_wide"]],
+        _ => [["near", "far"], ["dark_near", "dark_far"], ["flat_near", "flat_far"]],
+    }
+}
 
 /// Register the rig's two pictures by one textured target, and match their brightness. A table measured before is
 /// dropped: it was measured with another registration.
@@ -207,74 +229,89 @@ pub async fn register(
     request: Request,
 ) -> Result<Json<CalibrationBody>, Problem> {
     let rig = service.databases.rig(&path.name).await?;
-    let mut parts = KnownParts::of(request, &service, &REGISTRATION_PARTS, &[]).await?;
-    let pictures = registration_pictures(&mut parts, &service)?;
-    let memory = pictures.iter().map(|(_, picture)| picture.depth_bytes).sum();
+    let names = registration_parts(&rig.calibration.optics);
+    let mut parts = KnownParts::of(request, &service, names.as_flattened(), &[], None).await?;
+    let pictures = RegistrationPictures::take(&mut parts, names, &service.decode)?;
+    let memory = pictures.depth_bytes();
     let (calibration, limits, share) = (rig.calibration.clone(), service.decode, parts.share);
     let work = move || {
         let _share = share;
-        Ok::<_, Problem>(calibration.registered(&target(&pictures, &limits)?)?)
+        Ok::<_, Problem>(calibration.registered(&pictures.decoded(names, &limits)?)?)
     };
     let (registered, _) = service.compute.run(Lane::Maintenance, memory, work).await?;
     Ok(Json(service.databases.update_rig(&rig, &registered?, &caller.actor()).await?.into()))
 }
 
-/// The pictures of the form under the names of their parts, `near` and `far` first.
-///
-/// # Errors
-/// Every part that is missing, unknown or comes twice; or the first that is no picture for depth.
-fn registration_pictures(
-    parts: &mut KnownParts,
-    service: &Service,
-) -> Result<Vec<(&'static str, Picture)>, Problem> {
-    for pair in [["dark_near", "dark_far"], ["flat_near", "flat_far"]] {
-        for [name, other] in [pair, [pair[1], pair[0]]] {
-            if parts.holds(name) && !parts.holds(other) {
-                let detail = format!("is missing: {name} and {other} come together");
-                parts.faults.push(FieldError { pointer: format!("/{other}"), detail });
-            }
-        }
-    }
-    let (near, far) = (parts.require("near"), parts.require("far"));
-    let (Some(near), Some(far), []) = (near, far, parts.faults.as_slice()) else {
-        return Err(Problem::fields(std::mem::take(&mut parts.faults)));
-    };
-    let mut pictures = vec![("near", near), ("far", far)];
-    let others = REGISTRATION_PARTS[2..].iter();
-    pictures.extend(others.filter_map(|name| Some((*name, parts.take(name)?))));
-    let checked = pictures.into_iter().map(|(name, bytes)| {
-        let picture = Picture::of(bytes, &service.decode)
-            .and_then(Picture::for_depth)
-            .map_err(|problem| problem.in_part(name))?;
-        Ok((name, picture))
-    });
-    checked.collect()
+/// The pictures of a registration.
+struct RegistrationPictures {
+    target: PairPictures,
+    /// In the dark and of white, those that were sent, by the names of their parts.
+    levels: BTreeMap<&'static str, Picture>,
 }
 
-/// The target from its pictures, the first two its own: runs on a computing thread.
-fn target(
-    pictures: &[(&'static str, Picture)],
-    limits: &DecodeLimits,
-) -> Result<RegistrationTarget, Problem> {
-    let pair = decoded_pair([&pictures[0].1, &pictures[1].1], ["near", "far"], limits)?;
-    let level = |name: &str| -> Result<Option<f64>, Problem> {
-        let Some((_, picture)) = pictures.iter().find(|(part, _)| *part == name) else { return Ok(None) };
-        let frame =
-            imaging::decode(&picture.bytes, limits).map_err(|error| Problem::from(error).in_part(name))?;
-        if (frame.width(), frame.height()) != (pair.width(), pair.height()) {
-            let text = format!(
-                "it is {}×{} px, the target {}×{} px: send pictures of one size",
-                frame.width(),
-                frame.height(),
-                pair.width(),
-                pair.height()
-            );
-            return Err(Problem::new(Code::ImageSizeMismatch, text).in_part(name));
+impl RegistrationPictures {
+    /// Takes them out of the form. `names` are those of [`registration_parts`].
+    ///
+    /// # Errors
+    /// Every part that is missing, unknown or comes twice; or the first that is no picture for depth.
+    fn take(
+        parts: &mut KnownParts,
+        names: [[&'static str; 2]; 3],
+        limits: &DecodeLimits,
+    ) -> Result<Self, Problem> {
+        let [target, dark, flat] = names;
+        for pair in [dark, flat] {
+            for [name, other] in [pair, [pair[1], pair[0]]] {
+                if parts.holds(name) && !parts.holds(other) {
+                    let detail = format!("is missing: {name} and {other} come together");
+                    parts.faults.push(FieldError { pointer: format!("/{other}"), detail });
+                }
+            }
         }
-        Ok(Some(frame.luminance.mean()))
-    };
-    let both = |near: Option<f64>, far: Option<f64>| near.zip(far).map(|(near, far)| [near, far]);
-    let dark = both(level("dark_near")?, level("dark_far")?);
-    let flat = both(level("flat_near")?, level("flat_far")?);
-    Ok(RegistrationTarget { target: pair, dark, flat })
+        let required = target.map(|name| parts.require(name).map(|bytes| (name, bytes)));
+        let ([Some(first), Some(second)], []) = (required, parts.faults.as_slice()) else {
+            return Err(Problem::fields(std::mem::take(&mut parts.faults)));
+        };
+        let sent = [dark, flat].into_iter().flatten().filter_map(|name| Some((name, parts.take(name)?)));
+        let levels = sent.map(|(name, bytes)| Ok::<_, Problem>((name, depth_picture(name, bytes, limits)?)));
+        Ok(Self {
+            target: PairPictures::of([first, second], limits)?,
+            levels: levels.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Memory that they take while they are worked on.
+    fn depth_bytes(&self) -> u64 {
+        self.target.depth_bytes() + self.levels.values().map(|picture| picture.depth_bytes).sum::<u64>()
+    }
+
+    /// The target, decoded: for a computing thread.
+    fn decoded(
+        &self,
+        [_, dark, flat]: [[&'static str; 2]; 3],
+        limits: &DecodeLimits,
+    ) -> Result<RegistrationTarget, Problem> {
+        let pair = self.target.decoded(limits)?;
+        let level = |name: &'static str| -> Result<Option<f64>, Problem> {
+            let Some(picture) = self.levels.get(name) else { return Ok(None) };
+            let frame = imaging::decode(&picture.bytes, limits)
+                .map_err(|error| Problem::from(error).in_part(name))?;
+            if (frame.width(), frame.height()) != (pair.width(), pair.height()) {
+                let text = format!(
+                    "it is {}×{} px, the target {}×{} px: send pictures of one size",
+                    frame.width(),
+                    frame.height(),
+                    pair.width(),
+                    pair.height()
+                );
+                return Err(Problem::new(Code::ImageSizeMismatch, text).in_part(name));
+            }
+            Ok(Some(frame.luminance.mean()))
+        };
+        let both = |[first, second]: [&'static str; 2]| -> Result<Option<[f64; 2]>, Problem> {
+            Ok(level(first)?.zip(level(second)?).map(|(first, second)| [first, second]))
+        };
+        let (dark, flat) = (both(dark)?, both(flat)?);
+        Ok(RegistrationTarget { target: pair, dark, flat })
+    }
 }

@@ -1,28 +1,32 @@
-//! `POST /v1/depth-maps`: how far away everything is, from a near- and a far-focused picture.
+//! `POST /v1/depth-maps`: how far away everything is, from two pictures that differ in focus or in aperture.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::body::BodyShare;
 use super::extract::Query;
-use super::optics::{OpticsBody, rounded_mm};
+use super::optics::{Lens, OpticsBody, rounded_mm};
 use super::options::{DepthOptionsBody, WindowBody};
+use super::pairs::{PAIR_PARTS, PairParts, PairPictures, depth_picture};
 use super::problem::{FieldError, Problem};
 use super::stages::{StageClock, ms};
-use super::uploads::{KnownParts, Picture, RobotHeader};
+use super::uploads::{KnownParts, PartList, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{DepthMethodWord, FrameHeader, Name};
 use crate::telemetry::Work;
-use landmarkd_core::depth::{Calibration, DepthMap, DepthOptions, Flag, FocalPair, Stage, Summary};
+use landmarkd_core::depth::{
+    BlurScale, Calibration, DepthMap, DepthOptions, Estimator, Flag, FocalPair, FocusStack, Optics,
+    STACK_PICTURES, StackEstimator, StackOptics, Stage, Summary, blur_scale,
+};
 use landmarkd_core::imaging::{self, DecodeLimits, encode, false_colour, npy, ply};
 
 /// Which planes an array has.
@@ -36,16 +40,27 @@ pub struct PlanesQuery {
     pub planes: Option<String>,
 }
 
-/// A near- and a far-focused picture, and what the lens is. Either `optics` or `calibration`.
+/// A near- and a far-focused picture, or a wide-open and a stopped-down one, and what the lens is. Either `optics` or
+/// `calibration`.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
 pub struct DepthForm {
-    /// The near-focused picture.
+    /// The near-focused picture; with `far`.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    near: String,
+    near: Option<String>,
     /// The far-focused picture.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
-    far: String,
+    far: Option<String>,
+    /// The picture of the wider aperture, in place of a focal pair; with `narrow`.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    wide: Option<String>,
+    /// The picture of the narrower aperture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    narrow: Option<String>,
+    /// The pictures of a focus stack, in place of a pair: the part comes as often as the optics have focus settings, in their
+    /// order.
+    #[schema(value_type = Option<Vec<String>>, format = Binary, content_media_type = "application/octet-stream")]
+    stack: Option<Vec<String>>,
     optics: Option<OpticsBody>,
     /// Name of a calibration.
     #[schema(pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
@@ -63,23 +78,27 @@ pub struct DepthMapBody {
     pub calibration: Option<String>,
     pub width_px: usize,
     pub height_px: usize,
-    /// The distance that the near-focused picture is focused at.
+    /// The distance that the near-focused picture is focused at; of an aperture pair, the near end of the working range.
     pub near_focus_mm: f64,
-    /// The distance that the far-focused picture is focused at.
+    /// The distance that the far-focused picture is focused at; of an aperture pair, the far end of the working range.
     pub far_focus_mm: f64,
-    /// From the near to the far focus distance: the working range.
+    /// From the one to the other: the working range.
     pub range_mm: f64,
     /// The largest blur within the working range.
     pub largest_blur_px: f64,
+    /// The blur that was measured from the pictures; absent when the optics said it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub blur_scale: Option<BlurScaleBody>,
     /// Part of the pixels that have a depth.
     pub coverage: f64,
     /// Null when no pixel has a depth.
     pub depth_mm: Option<DepthSpanBody>,
     /// Noise of a picture in grey levels of 255, as the method sees it; null if it can't.
     pub noise_sigma: Option<f64>,
-    /// By how much the far-focused picture was displaced; it was moved back.
+    /// By how much the far-focused picture was displaced; it was moved back. Of an aperture pair: one of the two.
     pub shift_px: [f64; 2],
-    /// What the far-focused picture was multiplied by.
+    /// What the far-focused picture was multiplied by. Of an aperture pair: one of the two.
     pub gain: f64,
     /// Pixels without a depth, by the reason: `low_texture`, `saturated`, `out_of_range`, `inconsistent`, `border`,
     /// `ambiguous`.
@@ -87,9 +106,21 @@ pub struct DepthMapBody {
     pub flags: BTreeMap<&'static str, u64>,
     /// Reasons to doubt the whole. Mended: `shifted`, `scaled`, `rotated`, `gain_off`, `contrast_off`. Not mended:
     /// `shift_unknown`, `moved`, `misregistered`, `many_inconsistent`, `low_coverage`, `near_far_swapped`, `sweep_failed`
-    /// (the calibration's newest sweep failed: what was measured before it answers).
+    /// (the calibration's newest sweep failed: what was measured before it answers), `scale_estimated` (the aperture was
+    /// measured from these pictures: see `blur_scale`; all distances share its error).
     pub warnings: Vec<&'static str>,
     pub timings_ms: DepthTimings,
+}
+
+/// An aperture that was measured from the pictures.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct BlurScaleBody {
+    /// For the pixel pitch of the optics.
+    pub aperture_mm: f64,
+    /// The largest blur within the working range.
+    pub largest_blur_px: f64,
+    /// Its standard deviation.
+    pub sigma_px: f64,
 }
 
 /// Depths of the pixels that have one.
@@ -224,15 +255,39 @@ impl Form {
 
 /// The pictures to measure, and how.
 struct Question {
-    near: Picture,
-    far: Picture,
-    calibration: Calibration,
+    pictures: Pictures,
     options: DepthOptions,
     form: Form,
 }
 
+/// Pictures, and what they were taken with.
+enum Pictures {
+    Pair {
+        pictures: PairPictures,
+        calibration: Box<Calibration>,
+        /// Else the blur is measured from the pictures first.
+        aperture_known: bool,
+    },
+    Stack {
+        pictures: Vec<Picture>,
+        optics: StackOptics,
+    },
+}
+
+impl Pictures {
+    /// Memory that they take while they are measured.
+    fn depth_bytes(&self) -> u64 {
+        match self {
+            Self::Pair { pictures, .. } => pictures.depth_bytes(),
+            Self::Stack { pictures, .. } => pictures.iter().map(|picture| picture.depth_bytes).sum(),
+        }
+    }
+}
+
 /// The answer of a computing thread to a question.
 struct Measured {
+    largest_blur_px: f64,
+    blur_scale: Option<BlurScale>,
     summary: Summary,
     size_px: (usize, usize),
     file: Option<File>,
@@ -241,44 +296,97 @@ struct Measured {
 
 /// Decode, measure, write: runs on a computing thread.
 fn measure(question: &Question, service: &Service) -> Result<Measured, Problem> {
-    let Question { near, far, calibration, options, form } = question;
-    let mut clock = StageClock::begin();
-    let estimator = service.estimators.ready(calibration, options)?;
-    clock.end("design");
-    let pair = decoded_pair([near, far], ["near", "far"], &service.decode)?;
-    clock.end("decode");
-    let map = estimator.estimate(&pair, &mut |stage| {
-        clock.end(match stage {
-            Stage::Register => "register",
-            Stage::Match => "match",
-            Stage::Estimate => "estimate",
-            Stage::Map => "judge",
-        });
-    })?;
-    let file = form.write(&map, &pair);
-    if file.is_some() {
-        clock.end("encode");
+    let Question { pictures, options, form } = question;
+    match pictures {
+        Pictures::Pair { pictures, calibration, aperture_known } => {
+            measure_pair(pictures, calibration, *aperture_known, options, form, service)
+        }
+        Pictures::Stack { pictures, optics } => measure_stack(pictures, optics, options, form, service),
     }
-    Ok(Measured { size_px: (map.width(), map.height()), summary: map.summary, file, clock })
 }
 
-/// The focal pair of two pictures; `names` are their parts'.
-///
-/// # Errors
-/// A picture that can't be decoded, or two that are no pair.
-pub fn decoded_pair(
-    pictures: [&Picture; 2],
-    names: [&str; 2],
-    limits: &DecodeLimits,
-) -> Result<FocalPair, Problem> {
-    let decoded = |at: usize| {
-        let frame = imaging::decode(&pictures[at].bytes, limits);
-        frame.map_err(|error| Problem::from(error).in_part(names[at]))
+fn measure_pair(
+    pictures: &PairPictures,
+    calibration: &Calibration,
+    aperture_known: bool,
+    options: &DepthOptions,
+    form: &Form,
+    service: &Service,
+) -> Result<Measured, Problem> {
+    let mut clock = StageClock::begin();
+    let pair = pictures.decoded(&service.decode)?;
+    clock.end("decode");
+    let blur_scale = match aperture_known {
+        true => None,
+        false => Some(blur_scale(&calibration.optics, &pair)?),
     };
-    Ok(FocalPair::new(decoded(0)?, decoded(1)?, pictures[0].bits.min(pictures[1].bits))?)
+    let estimator = match blur_scale {
+        None => service.estimators.ready(calibration, options)?,
+        // Of this pair alone: not worth keeping.
+        Some(BlurScale { optics, .. }) => Arc::new(Estimator::new(&Calibration::of(optics), options)?),
+    };
+    clock.end("design");
+    let map = estimator.estimate(&pair, &mut |stage| clock.end(stage_word(stage)))?;
+    let optics = blur_scale.map_or(calibration.optics, |scale| scale.optics);
+    Ok(Measured::of(map, &pair, optics.largest_blur_px(), blur_scale, form, clock))
 }
 
-/// The distance of everything from a near- and a far-focused picture. `Accept` chooses the form: a summary; a 16-bit
+fn measure_stack(
+    pictures: &[Picture],
+    optics: &StackOptics,
+    options: &DepthOptions,
+    form: &Form,
+    service: &Service,
+) -> Result<Measured, Problem> {
+    let mut clock = StageClock::begin();
+    let frames = pictures.iter().enumerate().map(|(at, picture)| {
+        imaging::decode(&picture.bytes, &service.decode)
+            .map_err(|error| Problem::from(error).in_part(&stack_part(at)))
+    });
+    let bits = pictures.iter().map(|picture| picture.bits).min().unwrap_or(8);
+    let stack = FocusStack::new(frames.collect::<Result<_, _>>()?, bits)
+        .map_err(|(at, error)| Problem::from(error).in_part(&stack_part(at)))?;
+    clock.end("decode");
+    let estimator = StackEstimator::new(optics, options)?;
+    clock.end("design");
+    let map = estimator.estimate(&stack, &mut |stage| clock.end(stage_word(stage)));
+    let largest_blur_px = optics.pairs().iter().map(Optics::largest_blur_px).fold(0.0, f64::max);
+    Ok(Measured::of(map, stack.first_pair(), largest_blur_px, None, form, clock))
+}
+
+fn stack_part(at: usize) -> String {
+    format!("stack/{at}")
+}
+
+fn stage_word(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Register => "register",
+        Stage::Match => "match",
+        Stage::Estimate => "estimate",
+        Stage::Map => "judge",
+    }
+}
+
+impl Measured {
+    /// Writes the file that was asked for.
+    fn of(
+        map: DepthMap,
+        pair: &FocalPair,
+        largest_blur_px: f64,
+        blur_scale: Option<BlurScale>,
+        form: &Form,
+        mut clock: StageClock,
+    ) -> Self {
+        let file = form.write(&map, pair);
+        if file.is_some() {
+            clock.end("encode");
+        }
+        let size_px = (map.width(), map.height());
+        Self { largest_blur_px, blur_scale, size_px, summary: map.summary, file, clock }
+    }
+}
+
+/// The distance of everything from two pictures that differ in focus or in aperture. `Accept` chooses the form: a summary; a 16-bit
 /// PNG (distance = grey level × `X-Depth-Scale-Mm`, 0 = unknown); an array for NumPy; a point cloud in metres; or, for
 /// people, a picture in false colours (near is red). Pictures must be linear in light.
 #[utoipa::path(
@@ -326,31 +434,79 @@ struct Asked {
 impl Asked {
     async fn read(service: &Service, form: Form, request: Request) -> Result<Self, Problem> {
         let texts = ["optics", "calibration", "options"];
-        let mut parts = KnownParts::of(request, service, &["near", "far"], &texts).await?;
-        let (near, far) = (parts.require("near"), parts.require("far"));
+        let list = PartList { name: "stack", most: *STACK_PICTURES.end() };
+        let mut parts = KnownParts::of(request, service, &PAIR_PARTS, &texts, Some(list)).await?;
         let options = parts.object("options")?.unwrap_or_default();
         let (options, faults) = DepthOptionsBody::read(&options);
         parts.faults.extend(faults);
-        let rig = rig(&mut parts)?;
-        let (Some(near), Some(far), Some(rig), []) = (near, far, rig, parts.faults.as_slice()) else {
+        let rig = match rig(&mut parts)? {
+            Some(RigPart::Stack(optics)) => {
+                let pictures = stack_pictures(&mut parts, &optics, &service.decode)?;
+                let question =
+                    Question { pictures: Pictures::Stack { pictures, optics: *optics }, options, form };
+                return Ok(Self { question, calibration: None, sweep_failed: false, share: parts.share });
+            }
+            Some(RigPart::Pair(rig)) => Some(rig),
+            // The optics of a stack that can't be: its pictures are no wrong pair.
+            None if !parts.list.is_empty() => return Err(Problem::fields(parts.faults)),
+            None => None,
+        };
+        if !parts.list.is_empty() {
+            let detail = "is of a focus stack: it needs optics with focuses_mm or planes_mm".into();
+            parts.faults.push(FieldError { pointer: "/stack".into(), detail });
+        }
+        let pair = PairParts::take(&mut parts);
+        let (Some(pair), Some(rig), []) = (pair, rig, parts.faults.as_slice()) else {
             return Err(Problem::fields(parts.faults));
         };
+        let mut aperture_known = true;
         let (name, calibration, sweep_failed) = match rig {
-            RigPart::Described(calibration) => (None, *calibration, false),
-            RigPart::Named(name) => {
+            PairRig::Known(optics) => (None, Calibration::of(optics), false),
+            PairRig::Open(optics) => {
+                aperture_known = false;
+                (None, Calibration::of(optics), false)
+            }
+            PairRig::Named(name) => {
                 let kept = service.databases.rig(&name).await?;
                 let sweep_failed = service.databases.failed_sweep(&kept).await?.is_some();
                 (Some(kept.name), kept.calibration, sweep_failed)
             }
         };
-        let picture = |bytes: Bytes, name| {
-            let picture = Picture::of(bytes, &service.decode).and_then(Picture::for_depth);
-            picture.map_err(|problem| problem.in_part(name))
-        };
-        let (near, far) = (picture(near, "near")?, picture(far, "far")?);
-        let question = Question { near, far, calibration, options, form };
+        let pictures = pair.pictures(&calibration.optics, &service.decode)?;
+        let pictures = Pictures::Pair { pictures, calibration: Box::new(calibration), aperture_known };
+        let question = Question { pictures, options, form };
         Ok(Self { question, calibration: name, sweep_failed, share: parts.share })
     }
+}
+
+/// The pictures of a focus stack.
+///
+/// # Errors
+/// Everything that is wrong with the form; or the first that is no picture for depth.
+fn stack_pictures(
+    parts: &mut KnownParts,
+    optics: &StackOptics,
+    limits: &DecodeLimits,
+) -> Result<Vec<Picture>, Problem> {
+    let (sent, wanted) = (std::mem::take(&mut parts.list), optics.pairs().len() + 1);
+    if sent.len() != wanted {
+        let detail = format!(
+            "comes {} times, and the optics have {wanted} focus settings: send a picture of each",
+            sent.len()
+        );
+        parts.faults.push(FieldError { pointer: "/stack".into(), detail });
+    }
+    for name in PAIR_PARTS {
+        if parts.take(name).is_some() {
+            let detail = "is no part of a focus stack: its pictures are parts called stack".into();
+            parts.faults.push(FieldError { pointer: format!("/{name}"), detail });
+        }
+    }
+    if !parts.faults.is_empty() {
+        return Err(Problem::fields(std::mem::take(&mut parts.faults)));
+    }
+    let pictures = sent.into_iter().enumerate();
+    pictures.map(|(at, bytes)| depth_picture(&stack_part(at), bytes, limits)).collect()
 }
 
 async fn depth_map(
@@ -360,19 +516,23 @@ async fn depth_map(
     request: Request,
 ) -> Result<Response, Problem> {
     let Asked { question, calibration, sweep_failed, share } = Asked::read(service, form, request).await?;
-    let memory = question.near.depth_bytes + question.far.depth_bytes;
-    let (optics, options) = (question.calibration.optics, question.options);
+    let memory = question.pictures.depth_bytes();
+    let options = question.options;
     let held = service.clone();
     let work = move || {
         let _share = share;
         measure(&question, &held)
     };
     let (measured, queue) = service.compute.run(Lane::Recognition, memory, work).await?;
-    let Measured { summary, size_px: (width_px, height_px), file, clock } = measured?;
+    let Measured { largest_blur_px, blur_scale, summary, size_px: (width_px, height_px), file, clock } =
+        measured?;
     clock.record(&service.metrics, Work::Depth, queue);
     let mut warnings: Vec<&'static str> = summary.warnings.iter().map(|warning| warning.word()).collect();
     if sweep_failed {
         warnings.push("sweep_failed");
+    }
+    if blur_scale.is_some() {
+        warnings.push("scale_estimated");
     }
     if let Some(file) = file {
         return Ok(file.into_response(&summary, &warnings));
@@ -387,7 +547,8 @@ async fn depth_map(
         near_focus_mm: rounded_mm(summary.near_focus_mm),
         far_focus_mm: rounded_mm(summary.far_focus_mm),
         range_mm: rounded_mm(summary.far_focus_mm - summary.near_focus_mm),
-        largest_blur_px: optics.largest_blur_px(),
+        largest_blur_px,
+        blur_scale: blur_scale.map(BlurScaleBody::from),
         coverage: summary.coverage,
         depth_mm: summary.depth.map(|depth| DepthSpanBody {
             min: depth.min,
@@ -402,6 +563,13 @@ async fn depth_map(
         timings_ms: DepthTimings::of(queue, &clock),
     })
     .into_response())
+}
+
+impl From<BlurScale> for BlurScaleBody {
+    fn from(scale: BlurScale) -> Self {
+        let [aperture_mm, _] = scale.optics.apertures_mm();
+        Self { aperture_mm, largest_blur_px: scale.optics.largest_blur_px(), sigma_px: scale.sigma_px }
+    }
 }
 
 impl DepthTimings {
@@ -423,7 +591,15 @@ impl DepthTimings {
 
 /// The lens, as a form describes it or names its calibration.
 enum RigPart {
-    Described(Box<Calibration>),
+    Pair(PairRig),
+    Stack(Box<StackOptics>),
+}
+
+/// The lens of two pictures.
+enum PairRig {
+    Known(Optics),
+    /// By an aperture that isn't known.
+    Open(Optics),
     Named(Name),
 }
 
@@ -444,8 +620,10 @@ fn rig(parts: &mut KnownParts) -> Result<Option<RigPart>, Problem> {
             fault("/optics", "and calibration exclude each other: send one".into());
             fault("/calibration", "and optics exclude each other: send one".into())
         }
-        (_, Some(optics), _) => match OpticsBody::read("/optics", &optics) {
-            Ok(optics) => Some(RigPart::Described(Box::new(Calibration::of(optics)))),
+        (_, Some(optics), _) => match OpticsBody::read_lens("/optics", &optics) {
+            Ok(Lens::Pair(optics)) => Some(RigPart::Pair(PairRig::Known(optics))),
+            Ok(Lens::OpenPair(optics)) => Some(RigPart::Pair(PairRig::Open(optics))),
+            Ok(Lens::Stack(optics)) => Some(RigPart::Stack(Box::new(optics))),
             Err(faults) => {
                 parts.faults.extend(faults);
                 None
@@ -454,7 +632,7 @@ fn rig(parts: &mut KnownParts) -> Result<Option<RigPart>, Problem> {
         (_, None, Some(name)) => {
             let text = String::from_utf8_lossy(&name);
             match Name::parse(text.trim()) {
-                Ok(name) => Some(RigPart::Named(name)),
+                Ok(name) => Some(RigPart::Pair(PairRig::Named(name))),
                 Err(error) => fault("/calibration", format!("{text:?} {error}")),
             }
         }

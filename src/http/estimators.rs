@@ -52,15 +52,17 @@ impl Estimators {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landmarkd_core::depth::{Aperture, Method, NearSensor, Optics, OpticsSpec, Window};
+    use landmarkd_core::depth::{Aperture, Method, Optics, OpticsSpec, Pair, Sensor, Window};
 
     #[test]
     fn the_same_rig_and_options_share_one_estimator_until_many_others_came() {
         let optics = Optics::new(&OpticsSpec {
             focal_length_mm: 25.0,
-            aperture: Aperture::FNumber(2.8),
-            near_sensor: NearSensor::FocusMm(529.0),
-            plane_separation_mm: 0.37,
+            pair: Pair::Focal {
+                aperture: Aperture::FNumber(2.8),
+                near_sensor: Sensor::FocusMm(529.0),
+                plane_separation_mm: 0.37,
+            },
             pixel_pitch_um: 29.0,
             telecentric: true,
             principal_point_px: None,

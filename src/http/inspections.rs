@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::access::reach;
-use super::depth_maps::decoded_pair;
 use super::extract::{Path, Query};
+use super::pairs::{PairParts, PairPictures};
 use super::problem::{Code, FieldError, Problem};
 use super::recognitions::{CandidateBody, DecisionBody, PoseBody, drawn, version_for};
 use super::regions::{GroundBody, LeftOutBody, RegionBody};
@@ -64,7 +64,7 @@ pub struct InspectionQuery {
     pub pair_view: Option<PairViewWord>,
 }
 
-/// The table, and with `near` and `far` a focal pair of a part or of the table.
+/// The table, and with `near` and `far`, or `wide` and `narrow`, a pair of a part or of the table.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
 pub struct InspectionForm {
@@ -77,6 +77,12 @@ pub struct InspectionForm {
     /// The far-focused picture.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
     far: Option<String>,
+    /// By a calibration of two apertures: the picture of the wider one; with `narrow`.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    wide: Option<String>,
+    /// The picture of the narrower aperture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    narrow: Option<String>,
 }
 
 /// What stands on the table.
@@ -166,8 +172,7 @@ struct Pictures {
 
 /// The focal pair of a request, and what it shows.
 struct Pair {
-    near: Picture,
-    far: Picture,
+    pictures: PairPictures,
     scene: PairScene,
     calibration: Calibration,
 }
@@ -183,7 +188,9 @@ impl Pictures {
         calibration: Option<&Name>,
         service: &Service,
     ) -> Result<Self, Problem> {
-        let mut parts = KnownParts::of(request, service, &["overview", "near", "far"], &[]).await?;
+        let mut parts =
+            KnownParts::of(request, service, &["overview", "near", "far", "wide", "narrow"], &[], None)
+                .await?;
         let wrong = pair_faults(&parts, query, calibration.is_some());
         let overview = parts.require("overview");
         parts.faults.extend(wrong);
@@ -192,17 +199,16 @@ impl Pictures {
         };
         let in_part = |name: &'static str| move |problem: Problem| problem.in_part(name);
         let overview = Picture::of(overview, &service.decode).map_err(in_part("overview"))?;
-        let pair = match (parts.take("near"), parts.take("far"), calibration) {
-            (Some(near), Some(far), Some(calibration)) => {
+        let pair = match calibration.filter(|_| parts.holds("near") || parts.holds("wide")) {
+            Some(calibration) => {
                 let calibration = service.databases.rig(calibration).await?.calibration;
-                let for_depth = |bytes, name| {
-                    let picture = Picture::of(bytes, &service.decode).and_then(Picture::for_depth);
-                    picture.map_err(in_part(name))
+                let Some(taken) = PairParts::take(&mut parts) else {
+                    return Err(Problem::fields(parts.faults));
                 };
-                let (near, far) = (for_depth(near, "near")?, for_depth(far, "far")?);
-                Some(Pair { near, far, scene: query.scene(), calibration })
+                let pictures = taken.pictures(&calibration.optics, &service.decode)?;
+                Some(Pair { pictures, scene: query.scene(), calibration })
             }
-            _ => None,
+            None => None,
         };
         Ok(Self { overview: overview.with_share(parts.share), pair })
     }
@@ -211,13 +217,13 @@ impl Pictures {
     fn decode(&self, limits: &DecodeLimits) -> Result<(Frame, Option<FocalPair>), Problem> {
         let overview = imaging::decode(&self.overview.bytes, limits)
             .map_err(|error| Problem::from(error).in_part("overview"))?;
-        let decoded = |pair: &Pair| decoded_pair([&pair.near, &pair.far], ["near", "far"], limits);
+        let decoded = |pair: &Pair| pair.pictures.decoded(limits);
         Ok((overview, self.pair.as_ref().map(decoded).transpose()?))
     }
 
     /// Memory that they take while they are worked on.
     fn working_bytes(&self) -> u64 {
-        let pair = self.pair.as_ref().map_or(0, |pair| pair.near.depth_bytes + pair.far.depth_bytes);
+        let pair = self.pair.as_ref().map_or(0, |pair| pair.pictures.depth_bytes());
         self.overview.header.segmentation_bytes() + pair
     }
 }
@@ -324,23 +330,26 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
     let mut fault = |pointer: &str, detail: &str| {
         faults.push(FieldError { pointer: pointer.into(), detail: detail.into() });
     };
-    let (near, far) = (parts.holds("near"), parts.holds("far"));
-    for (missing, is_missing) in [("/near", far && !near), ("/far", near && !far)] {
-        if is_missing {
-            fault(missing, "is missing: near and far come together");
+    let mut any = false;
+    for [a, b] in [["near", "far"], ["wide", "narrow"]] {
+        for [missing, sent] in [[a, b], [b, a]] {
+            any |= parts.holds(sent);
+            if parts.holds(sent) && !parts.holds(missing) {
+                fault(&format!("/{missing}"), &format!("is missing: {a} and {b} come together"));
+            }
         }
     }
-    if (near || far) && !has_calibration {
+    if any && !has_calibration {
         fault(
             "/near",
             "needs a calibration: PUT the workcell with the name of one, or leave near and far out",
         );
     }
     let is_overview = query.pair_view == Some(PairViewWord::Overview);
-    if query.pair_view.is_some() && !near && !far {
+    if query.pair_view.is_some() && !any {
         fault("#pair_view", "is about a pair: send near and far, or leave it out");
     }
-    if query.region.is_some() && !near && !far {
+    if query.region.is_some() && !any {
         fault("#region", "says what a pair shows: send near and far, or leave it out");
     } else if query.region.is_some() && is_overview {
         fault("#region", "and pair_view=overview exclude each other: there the pair shows every part");

@@ -28,6 +28,7 @@ pub mod openapi;
 pub(crate) mod optics;
 pub(crate) mod options;
 mod pages;
+mod pairs;
 mod paths;
 mod preconditions;
 mod predictions;

@@ -1,4 +1,4 @@
-//! The optics of a focal pair on the wire.
+//! The optics of two pictures on the wire.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -6,10 +6,21 @@ use utoipa::ToSchema;
 
 use super::options::read_members;
 use super::problem::FieldError;
-use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::{Aperture, Fault, Optics, OpticsSpec, Pair, Sensor, StackOptics, StackSpec};
 
-/// One lens before two sensors. Exactly one of `aperture_mm` and `f_number`, and exactly one of `near_plane_mm` and
-/// `near_focus_mm`.
+/// What is known of an aperture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ApertureWord {
+    /// Nothing: it is measured from the pictures.
+    Unknown,
+}
+
+/// One lens, and what the two pictures differ by. A *focal pair* (`near`, `far`) has two focus settings: exactly one of
+/// `aperture_mm` and `f_number`, exactly one of `near_plane_mm` and `near_focus_mm`, and `plane_separation_mm`. An *aperture
+/// pair* (`wide`, `narrow`) has one: exactly one of `apertures_mm` and `f_numbers`, exactly one of `plane_mm` and
+/// `focus_mm`, and `range_end_mm`. A *focus stack* (`stack`, for depth maps alone) has three settings and more: exactly
+/// one of `aperture_mm` and `f_number`, and exactly one of `planes_mm` and `focuses_mm`.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OpticsBody {
@@ -23,25 +34,76 @@ pub struct OpticsBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.01, maximum = 10000)]
     pub f_number: Option<f64>,
+    /// In place of both, where the aperture or the pixel pitch isn't known, and for depth maps alone: the blur is measured
+    /// from the pictures. With a pitch that is a guess, distances are right, but not x and y of points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aperture: Option<ApertureWord>,
     /// Distance from the lens to the sensor of the near-focused picture, the farther of the two sensors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_plane_mm: Option<f64>,
     /// The distance in the scene that the near-focused picture is focused at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_focus_mm: Option<f64>,
-    /// How much nearer to the lens the sensor of the far-focused picture stands.
-    #[schema(value_type = f64, minimum = 0.0001, maximum = 1000)]
+    /// Of a focal pair: how much nearer to the lens the sensor of the far-focused picture stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0.0001, maximum = 1000)]
     pub plane_separation_mm: Option<f64>,
+    /// Of an aperture pair: the diameters of both apertures, in either order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub apertures_mm: Option<[f64; 2]>,
+    /// Of an aperture pair: focal length over diameter of both, in either order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_numbers: Option<[f64; 2]>,
+    /// Of an aperture pair: distance from the lens to the sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane_mm: Option<f64>,
+    /// Of an aperture pair: the distance in the scene that both pictures are focused at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focus_mm: Option<f64>,
+    /// Of an aperture pair: how far its working range reaches, beyond the focus or before it. Blur is alike on both sides of
+    /// the focus: what stands on the other side is measured as if it stood on this one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_end_mm: Option<f64>,
+    /// Of a focus stack: distances from the lens to the sensor of each picture, the near-focused first, so falling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planes_mm: Option<Vec<f64>>,
+    /// Of a focus stack: the distances in the scene that the pictures are focused at, from near to far.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focuses_mm: Option<Vec<f64>>,
     /// Side of a pixel, in µm.
     #[schema(value_type = f64, minimum = 0.1, maximum = 1000)]
     pub pixel_pitch_um: Option<f64>,
-    /// Whether a stop in the front focal plane keeps both pictures at one scale.
+    /// Whether a stop in the front focal plane keeps pictures of all focus settings at one scale.
     #[schema(value_type = bool)]
     pub telecentric: Option<bool>,
     /// Where the optical axis meets the picture; its middle by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub principal_point_px: Option<[f64; 2]>,
 }
+
+/// What a depth map may be measured with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Lens {
+    /// Two pictures.
+    Pair(Optics),
+    /// Two pictures by an aperture that isn't known; the optics has one that blurs well.
+    OpenPair(Optics),
+    /// Three pictures and more.
+    Stack(StackOptics),
+}
+
+/// The largest blur that an unknown aperture is taken to make, in pixels.
+const USUAL_BLUR_PX: f64 = 5.0;
+/// Members of a focal pair alone.
+const FOCAL_PAIR: [&str; 6] =
+    ["aperture", "near_plane_mm", "near_focus_mm", "plane_separation_mm", "aperture_mm", "f_number"];
+/// Members of a focus stack alone.
+const FOCUS_STACK: [&str; 2] = ["planes_mm", "focuses_mm"];
+/// Why a stack is not taken.
+const STACK_ELSEWHERE: &str =
+    "is of a focus stack: depth maps alone measure by one, from the form's own optics";
+/// Members of an aperture pair alone.
+const APERTURE_PAIR: [&str; 5] = ["apertures_mm", "f_numbers", "plane_mm", "focus_mm", "range_end_mm"];
 
 /// A distance rounded to a nanometre: what the lens law works out is not more exact, and 500 mm shall read 500.
 pub fn rounded_mm(mm: f64) -> f64 {
@@ -52,9 +114,27 @@ impl OpticsBody {
     /// Reads the optics from the members of the object at the JSON pointer `at`.
     ///
     /// # Errors
-    /// Every member that is missing, unknown, misshapen or impossible.
+    /// Every member that is missing, unknown, misshapen or impossible; an aperture that isn't known.
     pub fn read(at: &str, body: &Map<String, Value>) -> Result<Optics, Vec<FieldError>> {
-        let sent = |field: &str| body.get(field).is_some_and(|value| !value.is_null());
+        let (field, detail) = match Self::read_lens(at, body)? {
+            Lens::Pair(optics) => return Ok(optics),
+            Lens::OpenPair(_) => (
+                "aperture",
+                "is needed here: a depth map of a textured scene measures it, and answers aperture_mm",
+            ),
+            Lens::Stack(_) if sent(body, "planes_mm") => ("planes_mm", STACK_ELSEWHERE),
+            Lens::Stack(_) => ("focuses_mm", STACK_ELSEWHERE),
+        };
+        Err(vec![FieldError { pointer: format!("{at}/{field}"), detail: detail.into() }])
+    }
+
+    /// The same of everything that a depth map may be measured with.
+    ///
+    /// # Errors
+    /// Every member that is missing, unknown, misshapen or impossible.
+    pub fn read_lens(at: &str, body: &Map<String, Value>) -> Result<Lens, Vec<FieldError>> {
+        let members = body;
+        let sent = |field: &str| sent(members, field);
         let (body, mut faults) = read_members::<Self>(at, body);
         let misshapen: Vec<String> = faults.iter().map(|fault| fault.pointer.clone()).collect();
         let mut fault = |field: &str, detail: &str| {
@@ -71,79 +151,154 @@ impl OpticsBody {
             value.unwrap_or_default()
         };
         let focal_length_mm = required("focal_length_mm", body.focal_length_mm);
-        let plane_separation_mm = required("plane_separation_mm", body.plane_separation_mm);
+        let is_aperture_pair = APERTURE_PAIR.iter().any(|field| sent(field));
+        let is_stack = FOCUS_STACK.iter().any(|field| sent(field));
+        let range_mm = match (is_aperture_pair, is_stack) {
+            (true, _) => required("range_end_mm", body.range_end_mm),
+            (false, true) => 0.0,
+            (false, false) => required("plane_separation_mm", body.plane_separation_mm),
+        };
         let pixel_pitch_um = required("pixel_pitch_um", body.pixel_pitch_um);
         if body.telecentric.is_none() {
             fault("telecentric", "is missing: say true for a stop in the front focal plane, else false");
         }
-        let mut one_of = |[a, b]: [&str; 2], values: [Option<f64>; 2]| match values {
-            [Some(_), Some(_)] => {
+        let alien: &[&str] = match (is_aperture_pair, is_stack) {
+            (true, true) => &[FOCAL_PAIR.as_slice(), &FOCUS_STACK].concat(),
+            (true, false) => &FOCAL_PAIR,
+            (false, true) => &FOCAL_PAIR[..4],
+            (false, false) => &[],
+        };
+        for field in alien.iter().filter(|field| sent(field)) {
+            fault(field, "doesn't go with the others: they are of pictures that differ otherwise");
+        }
+        let aperture_known = body.aperture.is_none();
+        for field in ["aperture_mm", "f_number"].into_iter().filter(|field| !aperture_known && sent(field)) {
+            fault(field, "and an unknown aperture exclude each other: leave one out");
+        }
+        // Unknown, it is as wide as blurs well.
+        let usual_mm = USUAL_BLUR_PX * pixel_pitch_um / 1000.0 * focal_length_mm / range_mm;
+        let mut one_of = |[a, b]: [&str; 2], given: [bool; 2]| match given {
+            [true, true] => {
                 fault(a, &format!("and {b} exclude each other: give one"));
                 fault(b, &format!("and {a} exclude each other: give one"));
             }
             // Either may be the one that was sent and can't be read.
-            [None, None] if [a, b].iter().all(|field| !misshapen.contains(&format!("{at}/{field}"))) => {
+            [false, false] if [a, b].iter().all(|field| !misshapen.contains(&format!("{at}/{field}"))) => {
                 fault(a, &format!("is missing: give {a} or {b}"));
             }
             _ => {}
         };
-        one_of(["aperture_mm", "f_number"], [body.aperture_mm, body.f_number]);
-        one_of(["near_plane_mm", "near_focus_mm"], [body.near_plane_mm, body.near_focus_mm]);
-        let aperture = match (body.aperture_mm, body.f_number) {
+        let of_either = |number: Option<f64>, diameter_mm: Option<f64>| match (diameter_mm, number) {
             (None, Some(number)) => Aperture::FNumber(number),
             (diameter_mm, _) => Aperture::DiameterMm(diameter_mm.unwrap_or_default()),
         };
-        let near_sensor = match (body.near_plane_mm, body.near_focus_mm) {
-            (None, Some(mm)) => NearSensor::FocusMm(mm),
-            (mm, _) => NearSensor::PlaneMm(mm.unwrap_or_default()),
+        let placed = |focus_mm: Option<f64>, plane_mm: Option<f64>| match (plane_mm, focus_mm) {
+            (None, Some(mm)) => Sensor::FocusMm(mm),
+            (mm, _) => Sensor::PlaneMm(mm.unwrap_or_default()),
+        };
+        if is_stack && !is_aperture_pair {
+            one_of(["aperture_mm", "f_number"], [body.aperture_mm.is_some(), body.f_number.is_some()]);
+            one_of(["planes_mm", "focuses_mm"], [body.planes_mm.is_some(), body.focuses_mm.is_some()]);
+            let planes = body.planes_mm.iter().flatten().map(|&mm| Sensor::PlaneMm(mm));
+            let focuses = body.focuses_mm.iter().flatten().map(|&mm| Sensor::FocusMm(mm));
+            let described = StackOptics::new(&StackSpec {
+                focal_length_mm,
+                aperture: of_either(body.f_number, body.aperture_mm),
+                sensors: planes.chain(focuses).collect(),
+                pixel_pitch_um,
+                telecentric: body.telecentric.unwrap_or_default(),
+                principal_point_px: body.principal_point_px,
+            });
+            return valid(described.map(Lens::Stack), faults, at, members);
+        }
+        let pair = if is_aperture_pair {
+            one_of(["apertures_mm", "f_numbers"], [body.apertures_mm.is_some(), body.f_numbers.is_some()]);
+            one_of(["plane_mm", "focus_mm"], [body.plane_mm.is_some(), body.focus_mm.is_some()]);
+            let apertures = [0, 1].map(|k| {
+                of_either(body.f_numbers.map(|numbers| numbers[k]), body.apertures_mm.map(|mm| mm[k]))
+            });
+            Pair::Aperture { apertures, sensor: placed(body.focus_mm, body.plane_mm), range_end_mm: range_mm }
+        } else {
+            if aperture_known {
+                one_of(["aperture_mm", "f_number"], [body.aperture_mm.is_some(), body.f_number.is_some()]);
+            }
+            one_of(
+                ["near_plane_mm", "near_focus_mm"],
+                [body.near_plane_mm.is_some(), body.near_focus_mm.is_some()],
+            );
+            Pair::Focal {
+                aperture: match aperture_known {
+                    true => of_either(body.f_number, body.aperture_mm),
+                    false => Aperture::DiameterMm(usual_mm),
+                },
+                near_sensor: placed(body.near_focus_mm, body.near_plane_mm),
+                plane_separation_mm: range_mm,
+            }
         };
         let spec = OpticsSpec {
             focal_length_mm,
-            aperture,
-            near_sensor,
-            plane_separation_mm,
+            pair,
             pixel_pitch_um,
             telecentric: body.telecentric.unwrap_or_default(),
             principal_point_px: body.principal_point_px,
         };
-        let described = Optics::new(&spec);
-        if faults.is_empty()
-            && let Ok(optics) = described
-        {
-            return Ok(optics);
-        }
-        for impossible in described.err().unwrap_or_default() {
-            let pointer = format!("{at}/{}", impossible.field);
-            // What is absent, or can't be read, has a value in the description that nobody sent.
-            if sent(impossible.field) && !faults.iter().any(|fault| fault.pointer == pointer) {
-                faults.push(FieldError { pointer, detail: impossible.message });
-            }
-        }
-        Err(faults)
+        let lens = if aperture_known { Lens::Pair } else { Lens::OpenPair };
+        valid(Optics::new(&spec).map(lens), faults, at, members)
     }
+}
+
+/// Whether a member was sent.
+fn sent(members: &Map<String, Value>, field: &str) -> bool {
+    members.get(field).is_some_and(|value| !value.is_null())
+}
+
+/// What is described, if nothing is wrong with its members.
+fn valid(
+    described: Result<Lens, Vec<Fault>>,
+    mut faults: Vec<FieldError>,
+    at: &str,
+    members: &Map<String, Value>,
+) -> Result<Lens, Vec<FieldError>> {
+    let impossible = match described {
+        Ok(lens) if faults.is_empty() => return Ok(lens),
+        described => described.err().unwrap_or_default(),
+    };
+    for fault in impossible {
+        let open = fault.field == "aperture_mm" && sent(members, "aperture");
+        let field = if open { "aperture" } else { fault.field };
+        let pointer = format!("{at}/{field}");
+        // What is absent, or can't be read, has a value in the description that nobody sent.
+        if sent(members, field) && !faults.iter().any(|fault| fault.pointer == pointer) {
+            faults.push(FieldError { pointer, detail: fault.message });
+        }
+    }
+    Err(faults)
 }
 
 impl From<&Optics> for OpticsBody {
     fn from(optics: &Optics) -> Self {
         let spec = optics.spec();
-        let (aperture_mm, f_number) = match spec.aperture {
-            Aperture::DiameterMm(mm) => (Some(mm), None),
-            Aperture::FNumber(number) => (None, Some(number)),
-        };
-        let (near_plane_mm, near_focus_mm) = match spec.near_sensor {
-            NearSensor::PlaneMm(mm) => (Some(mm), None),
-            NearSensor::FocusMm(mm) => (None, Some(mm)),
-        };
-        Self {
+        let lens = Self {
             focal_length_mm: Some(spec.focal_length_mm),
-            aperture_mm,
-            f_number,
-            near_plane_mm,
-            near_focus_mm,
-            plane_separation_mm: Some(spec.plane_separation_mm),
             pixel_pitch_um: Some(spec.pixel_pitch_um),
             telecentric: Some(spec.telecentric),
             principal_point_px: spec.principal_point_px,
+            ..Self::default()
+        };
+        let f = spec.focal_length_mm;
+        match spec.pair {
+            Pair::Focal { aperture, near_sensor, plane_separation_mm } => Self {
+                aperture_mm: Some(aperture.diameter_mm(f)),
+                near_plane_mm: near_sensor.plane_mm(f),
+                plane_separation_mm: Some(plane_separation_mm),
+                ..lens
+            },
+            Pair::Aperture { apertures, sensor, range_end_mm } => Self {
+                apertures_mm: Some(apertures.map(|aperture| aperture.diameter_mm(f))),
+                plane_mm: sensor.plane_mm(f),
+                range_end_mm: Some(range_end_mm),
+                ..lens
+            },
         }
     }
 }

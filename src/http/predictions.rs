@@ -13,7 +13,7 @@ use super::options::read_members;
 use super::problem::{FieldError, Problem};
 use crate::compute::Lane;
 use crate::database::calibrations::optics_advice;
-use landmarkd_core::depth::{Optics, Prediction, Scenery, predicted};
+use landmarkd_core::depth::{Optics, Pair, Prediction, Scenery, predicted};
 
 /// An optics, and what is to be measured with it.
 #[derive(Debug, Clone, Default, Deserialize, ToSchema)]
@@ -21,7 +21,7 @@ use landmarkd_core::depth::{Optics, Prediction, Scenery, predicted};
 pub struct PredictionRequest {
     #[schema(value_type = OpticsBody)]
     pub optics: Option<Map<String, Value>>,
-    /// The nearest and the farthest distance that are to be measured; by default from the near to the far focus distance.
+    /// The nearest and the farthest distance that are to be measured; by default the optics' own working range.
     #[schema(required = false)]
     pub range_mm: Option<[f64; 2]>,
     /// Standard deviation of the surfaces' texture in gray levels of 255: 40 is gravel, 10 is faint.
@@ -35,9 +35,9 @@ pub struct PredictionRequest {
 /// What an optics would measure.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct PredictionBody {
-    /// The distance that the near-focused picture is focused at.
+    /// The distance that the near-focused picture is focused at; of an aperture pair, the near end of the working range.
     pub near_focus_mm: f64,
-    /// The distance that the far-focused picture is focused at.
+    /// The distance that the far-focused picture is focused at; of an aperture pair, the far end of the working range.
     pub far_focus_mm: f64,
     /// The largest blur between the two.
     pub largest_blur_px: f64,
@@ -53,9 +53,9 @@ pub struct PredictionBody {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ExpectedBody {
     pub distance_mm: f64,
-    /// Diameter of the blur circle in the near-focused picture.
+    /// Diameter of the blur circle in the near-focused picture; of an aperture pair, in the wide-open one.
     pub near_blur_px: f64,
-    /// Diameter of the blur circle in the far-focused picture.
+    /// Diameter of the blur circle in the far-focused picture; of an aperture pair, in the stopped-down one.
     pub far_blur_px: f64,
     /// Expected standard deviation of a distance over a window that is full of texture; null where there would be none: out
     /// of range, or an error above 2 % of the working range.
@@ -85,11 +85,12 @@ pub async fn post(
     let work = move || predicted(&optics, &scenery, &distances);
     let (prediction, _) = service.compute.run(Lane::Recognition, 0, work).await?;
     let advice = advice(&optics, range_mm, &scenery, &prediction);
-    let expected = prediction.expected.iter().map(|expected| ExpectedBody {
-        distance_mm: rounded_mm(expected.depth_mm),
-        near_blur_px: expected.blur_px[0],
-        far_blur_px: expected.blur_px[1],
-        sigma_mm: expected.sigma_mm,
+    let narrow_first = optics.picture_names()[0] == "narrow";
+    let expected = prediction.expected.iter().map(|expected| {
+        let [first, second] = expected.blur_px;
+        let [near_blur_px, far_blur_px] = if narrow_first { [second, first] } else { [first, second] };
+        let distance_mm = rounded_mm(expected.depth_mm);
+        ExpectedBody { distance_mm, near_blur_px, far_blur_px, sigma_mm: expected.sigma_mm }
     });
     Ok(Json(PredictionBody {
         near_focus_mm: rounded_mm(optics.near_focus_mm()),
@@ -146,6 +147,39 @@ impl Asked {
     }
 }
 
+/// How the whole range would be measured.
+fn mended(optics: &Optics, [from, to]: [f64; 2]) -> String {
+    // B(1): where both ends are sharp, and the aperture that blurs best between them.
+    let spec = optics.spec();
+    let f = spec.focal_length_mm;
+    let [near_plane, far_plane] = [from, to].map(|u| f * u / (u - f));
+    let separation_mm = near_plane - far_plane;
+    let aperture_mm = BEST_BLUR_PX * spec.pixel_pitch_um / 1000.0 * f / separation_mm;
+    let wide = format!(
+        "an aperture of {aperture_mm:.2} mm (f/{:.1}) for a blur of {BEST_BLUR_PX} px",
+        f / aperture_mm
+    );
+    match spec.pair {
+        Pair::Focal { .. } => format!(
+            "focus the near picture at {from:.0} mm and the far one at {to:.0} mm (sensors {separation_mm:.3} mm apart), \
+             with {wide}."
+        ),
+        Pair::Aperture { range_end_mm, .. } => {
+            // Too little blur is left next to the focus: a fifth of the range's image lies between both.
+            let beyond = range_end_mm > optics.far_focus_mm() - 1e-6;
+            let [focused, end_mm] = if beyond {
+                [near_plane + 0.25 * separation_mm, to]
+            } else {
+                [far_plane - 0.25 * separation_mm, from]
+            };
+            let focus_mm = if focused > f { f * focused / (focused - f) } else { f64::INFINITY };
+            format!(
+                "focus at {focus_mm:.0} mm and end the range at {end_mm:.0} mm, the wider of the two with {wide}."
+            )
+        }
+    }
+}
+
 /// What to change, a sentence each.
 fn advice(
     optics: &Optics,
@@ -157,17 +191,9 @@ fn advice(
     if let Some([from, to]) = range_mm
         && prediction.expected.iter().any(|expected| expected.sigma_mm.is_none())
     {
-        // B(1): the sensors at the images of both ends, and the aperture that blurs best between them.
-        let spec = optics.spec();
-        let f = spec.focal_length_mm;
-        let [near_plane, far_plane] = [from, to].map(|u| f * u / (u - f));
-        let separation_mm = near_plane - far_plane;
-        let aperture_mm = BEST_BLUR_PX * spec.pixel_pitch_um / 1000.0 * f / separation_mm;
         advice.push(format!(
-            "Not all from {from:.0} to {to:.0} mm would be measured: focus the near picture at {from:.0} mm and the far one \
-             at {to:.0} mm (sensors {separation_mm:.3} mm apart), with an aperture of {aperture_mm:.2} mm (f/{:.1}) for a \
-             blur of {BEST_BLUR_PX} px.",
-            f / aperture_mm
+            "Not all from {from:.0} to {to:.0} mm would be measured: {}",
+            mended(optics, [from, to])
         ));
     }
     let worst = prediction.expected.iter().filter_map(|expected| expected.sigma_mm).fold(0.0, f64::max);

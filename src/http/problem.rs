@@ -16,7 +16,9 @@ use crate::jobs::{Failure, JobError};
 pub use crate::problem::Code;
 use crate::store::{BlobError, CatalogueError, operator_advice};
 use crate::telemetry::chain;
-use landmarkd_core::depth::{EstimateError, EstimatorError, PairError, RegistrationError, SweepError};
+use landmarkd_core::depth::{
+    BlurScaleError, EstimateError, EstimatorError, PairError, RegistrationError, SweepError,
+};
 use landmarkd_core::imaging::DecodeError;
 use landmarkd_core::recognition::objects::SizeMismatch;
 
@@ -208,6 +210,13 @@ impl From<EstimatorError> for Problem {
                 format!("{error}: POST /v1/calibrations/{{name}}/sweep, or take another method"),
             ),
         }
+    }
+}
+
+impl From<BlurScaleError> for Problem {
+    fn from(error: BlurScaleError) -> Self {
+        let advice = "state aperture_mm or f_number, or photograph a scene full of fine irregular texture";
+        Self::new(Code::ScaleUnclear, format!("{error}: {advice}"))
     }
 }
 

@@ -144,7 +144,7 @@ async fn read(request: Request, service: &Service) -> Result<(Picture, Segmentat
         }
         return Ok((OnePicture::from_request(request, service).await?.checked(&service.decode)?, options));
     }
-    let mut parts = KnownParts::of(request, service, &["image"], &["options"]).await?;
+    let mut parts = KnownParts::of(request, service, &["image"], &["options"], None).await?;
     if parts.holds("options") && !query.is_empty() {
         let detail = "and options in the query exclude each other: give one".into();
         faults.push(FieldError { pointer: "/options".into(), detail });

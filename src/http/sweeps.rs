@@ -31,9 +31,26 @@ pub struct PlaneLine {
     #[schema(exclusive_minimum = 0)]
     pub depth_mm: f64,
     /// Name of the part with the near-focused picture.
-    pub near: String,
+    #[schema(required = false)]
+    pub near: Option<String>,
     /// Name of the part with the far-focused picture.
-    pub far: String,
+    #[schema(required = false)]
+    pub far: Option<String>,
+    /// Of a rig of two apertures, in place of `near`: name of the part with the picture of the wider one.
+    #[schema(required = false)]
+    pub wide: Option<String>,
+    /// Of a rig of two apertures, in place of `far`: name of the part with the picture of the narrower one.
+    #[schema(required = false)]
+    pub narrow: Option<String>,
+}
+
+impl PlaneLine {
+    /// The members that name pictures, and what they hold.
+    fn pictures(&self) -> [(&'static str, Option<&String>); 4] {
+        let Self { near, far, wide, narrow, .. } = self;
+        [("near", near), ("far", far), ("wide", wide), ("narrow", narrow)]
+            .map(|(name, part)| (name, part.as_ref()))
+    }
 }
 
 /// How a sweep is to be measured.
@@ -43,7 +60,7 @@ pub struct SweepOptionsBody {
     /// The method that the table is for: `gram` by default.
     #[schema(required = false)]
     pub method: Option<DepthMethodWord>,
-    /// Whether aperture, separation and near plane are fitted to the planes first.
+    /// Whether aperture, separation (of two apertures: their ratio) and sensor plane are fitted to the planes first.
     #[schema(default = false)]
     pub fit_optics: Option<bool>,
 }
@@ -158,21 +175,33 @@ impl SweepParts {
         let mut fault = |pointer, detail| faults.push(FieldError { pointer, detail });
         let mut planes = Vec::new();
         for (at, line) in manifest.iter().enumerate() {
-            let mut picture = |member: &str, name: &String| {
+            let pictures = line.pictures();
+            let mut picture = |member: &str| {
+                let pointer = format!("/manifest/{at}/{member}");
+                let named = pictures.iter().find(|(name, _)| *name == member).and_then(|(_, part)| *part);
+                let Some(name) = named else {
+                    fault(pointer, "is missing: the name of a part of the form".into());
+                    return None;
+                };
                 let stored = self.pictures.get(name);
                 if stored.is_none() {
-                    let detail = format!("the form has no part named {name:?}");
-                    fault(format!("/manifest/{at}/{member}"), detail);
+                    fault(pointer, format!("the form has no part named {name:?}"));
                 }
                 stored
             };
-            let (near, far) = (picture("near", &line.near), picture("far", &line.far));
-            if let Some((near, far)) = near.zip(far) {
-                planes.push((line.depth_mm, near, far));
+            let names = rig.calibration.optics.picture_names();
+            let [first, second] = names.map(&mut picture);
+            if let Some((first, second)) = first.zip(second) {
+                planes.push((line.depth_mm, first, second));
+            }
+            for (member, _) in pictures.iter().filter(|(name, part)| part.is_some() && !names.contains(name))
+            {
+                let detail = format!("is of another kind of rig: name {} and {}", names[0], names[1]);
+                fault(format!("/manifest/{at}/{member}"), detail);
             }
         }
         for name in self.pictures.keys() {
-            if !manifest.iter().any(|line| line.near == *name || line.far == *name) {
+            if !manifest.iter().flat_map(PlaneLine::pictures).any(|(_, part)| part == Some(name)) {
                 fault(format!("/{name}"), "no line of the manifest names this part".into());
             }
         }
@@ -183,7 +212,9 @@ impl SweepParts {
         }
         self.check_sizes(rig)?;
         if let Some((depth_mm, ..)) = planes.iter().find(|(_, near, far)| near.blob == far.blob) {
-            let text = format!("near and far of the plane at {depth_mm} mm are one picture: send both");
+            let [first, second] = rig.calibration.optics.picture_names();
+            let text =
+                format!("{first} and {second} of the plane at {depth_mm} mm are one picture: send both");
             return Err(Problem::new(Code::IdenticalImages, text));
         }
         Ok(SweepParams {

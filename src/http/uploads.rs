@@ -275,10 +275,20 @@ impl Part<'_> {
 /// A form of a few parts with known names that are held together, in whatever order they come.
 pub struct KnownParts {
     bytes: BTreeMap<&'static str, Bytes>,
+    /// The pictures of the part that may come several times, in their order.
+    pub list: Vec<Bytes>,
     /// Parts that are unknown or come twice.
     pub faults: Vec<FieldError>,
     /// The form's room, to be held as long as its parts are.
     pub share: BodyShare,
+}
+
+/// A part that may come several times, its name also with `[]` after it.
+#[derive(Clone, Copy)]
+pub struct PartList {
+    pub name: &'static str,
+    /// How often at most.
+    pub most: usize,
 }
 
 /// Most wrong parts that are named.
@@ -294,6 +304,7 @@ impl KnownParts {
         service: &Service,
         pictures: &[&'static str],
         texts: &[&'static str],
+        list: Option<PartList>,
     ) -> Result<Self, Problem> {
         if essence(request.headers()).as_deref() != Some("multipart/form-data") {
             let files = pictures.iter().map(|name| format!(" -F {name}=@{name}.png")).collect::<String>();
@@ -301,10 +312,20 @@ impl KnownParts {
             return Err(Problem::new(Code::UnsupportedMediaType, text));
         }
         let max_picture_bytes = service.limits.max_body_bytes;
-        let most = pictures.len() as u64 * max_picture_bytes + texts.len() as u64 * MAX_JSON_BYTES;
+        let most_pictures = pictures.len().max(list.map_or(0, |list| list.most)) as u64;
+        let most = most_pictures * max_picture_bytes + texts.len() as u64 * MAX_JSON_BYTES;
         let mut form = Form::of(request, service, most, most).await?;
-        let (mut bytes, mut faults) = (BTreeMap::new(), Vec::new());
+        let (mut bytes, mut faults, mut listed) = (BTreeMap::new(), Vec::new(), Vec::new());
         while let Some((name, part)) = form.next().await? {
+            if let Some(list) = list.filter(|list| name.strip_suffix("[]").unwrap_or(&name) == list.name) {
+                if listed.len() == list.most {
+                    let detail = format!("comes more than {} times", list.most);
+                    return Err(Problem::field(format!("/{}", list.name), detail));
+                }
+                listed
+                    .push(part.read(max_picture_bytes).await?.map_err(|problem| problem.in_part(list.name))?);
+                continue;
+            }
             let find = |names: &[&'static str]| names.iter().copied().find(|known| *known == name);
             let picture = find(pictures).map(|known| (known, max_picture_bytes));
             let Some((known, max_bytes)) = picture.or(find(texts).map(|known| (known, MAX_JSON_BYTES)))
@@ -324,7 +345,7 @@ impl KnownParts {
                 return Err(Problem::field(format!("/{known}"), "comes twice: send it once"));
             }
         }
-        Ok(Self { bytes, faults, share: form.share })
+        Ok(Self { bytes, list: listed, faults, share: form.share })
     }
 
     /// Whether the part of that name was sent and not taken yet.

@@ -2,7 +2,7 @@
 
 use bytes::Bytes;
 use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
-use landmarkd_core::depth::{Aperture, NearSensor, Optics, OpticsSpec};
+use landmarkd_core::depth::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 use serde_json::{Value, json};
 
 /// Width and height of a picture.
@@ -25,9 +25,11 @@ pub fn photograph(relief: Relief, seed: u64) -> Rendered {
 pub fn photograph_of((width, height): (usize, usize), relief: Relief, seed: u64) -> Rendered {
     let optics = Optics::new(&OpticsSpec {
         focal_length_mm: 25.0,
-        aperture: Aperture::FNumber(2.8),
-        near_sensor: NearSensor::FocusMm(529.0),
-        plane_separation_mm: 0.37,
+        pair: Pair::Focal {
+            aperture: Aperture::FNumber(2.8),
+            near_sensor: Sensor::FocusMm(529.0),
+            plane_separation_mm: 0.37,
+        },
         pixel_pitch_um: 29.0,
         telecentric: true,
         principal_point_px: None,

@@ -31,6 +31,7 @@ mod placements;
 mod problems;
 mod resident;
 mod restarts;
+mod rigs;
 mod segmentations;
 mod self_check;
 mod service;

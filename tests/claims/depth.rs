@@ -30,7 +30,7 @@ fn measured(seen: &Rendered, calibration: &Calibration, method: Method) -> Depth
 
 /// Errors in percent of the working range, over all seeds.
 #[derive(Default)]
-struct Figures {
+pub(super) struct Figures {
     squares: f64,
     sum: f64,
     known: f64,
@@ -59,7 +59,7 @@ impl Figures {
         figures
     }
 
-    fn add(&mut self, seen: &Rendered, map: &DepthMap, range_mm: f64) {
+    pub(super) fn add(&mut self, seen: &Rendered, map: &DepthMap, range_mm: f64) {
         let near_step = seen.near_step(STEP_PX);
         for y in BORDER_PX..seen.height - BORDER_PX {
             for x in BORDER_PX..seen.width - BORDER_PX {
@@ -86,7 +86,7 @@ impl Figures {
         }
     }
 
-    fn rms(&self) -> f64 {
+    pub(super) fn rms(&self) -> f64 {
         (self.squares / self.known).sqrt()
     }
 
@@ -94,7 +94,7 @@ impl Figures {
         self.sum / self.known
     }
 
-    fn coverage(&self) -> f64 {
+    pub(super) fn coverage(&self) -> f64 {
         100.0 * self.known / self.all
     }
 
@@ -110,11 +110,11 @@ impl Figures {
         (self.ratios / self.known).sqrt()
     }
 
-    fn beyond(&self) -> f64 {
+    pub(super) fn beyond(&self) -> f64 {
         100.0 * self.beyond / self.known
     }
 
-    fn say(&self, what: &str) {
+    pub(super) fn say(&self, what: &str) {
         println!(
             "{what}: RMS {:.2} % of range, bias {:+.2} %, coverage {:.2} %, error/sigma {:.2}, {:.2} % beyond 3 sigma",
             self.rms(),

@@ -9,7 +9,7 @@ import io
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Literal, TypeVar
 from uuid import UUID
@@ -363,6 +363,7 @@ class Client:
         near: Picture,
         far: Picture,
         *,
+        apertures: bool = False,
         optics: Optics | None = None,
         calibration: str | None = None,
         options: Mapping[str, Any] | None = None,
@@ -371,12 +372,38 @@ class Client:
     ) -> DepthMap:
         """Measure distances from a near- and a far-focused picture of one scene.
 
-        Give `optics`, or the name of a `calibration`. `options` are those of the service, such as `{"median": 3}`.
+        Give `optics`, or the name of a `calibration`. `options` are those of the service, such as `{"median": 3}`. With
+        `apertures` the pictures differ in aperture: `near` is the wide-open one, `far` the stopped-down one.
         """
-        form = DepthForm(near=upload(near), far=upload(far), calibration=wanted(calibration))
+        form = DepthForm(calibration=wanted(calibration))
+        if apertures:
+            form.wide, form.narrow = upload(near), upload(far)
+        else:
+            form.near, form.far = upload(near), upload(far)
         if optics is not None:
             form.optics = optics.body()
-        parts = form.to_multipart()
+        return self._depth(form.to_multipart(), options, frame_id, stamp)
+
+    def depth_of_stack(
+        self,
+        pictures: Sequence[Picture],
+        *,
+        optics: Optics,
+        options: Mapping[str, Any] | None = None,
+        frame_id: str | None = None,
+        stamp: str | None = None,
+    ) -> DepthMap:
+        """Measure distances from three pictures and more of one scene, focused one after the other from near to far.
+
+        `optics` has `focuses_mm` or `planes_mm`, one for each picture.
+        """
+        parts = DepthForm(optics=optics.body()).to_multipart()
+        parts.extend(("stack", upload(picture).to_tuple()) for picture in pictures)
+        return self._depth(parts, options, frame_id, stamp)
+
+    def _depth(
+        self, parts: list[tuple[str, Any]], options: Mapping[str, Any] | None, frame_id: str | None, stamp: str | None
+    ) -> DepthMap:
         if options is not None:
             parts.append(json_part("options", dict(options)))
         robot = {"X-Robot-Id": self.robot_id, "X-Frame-Id": frame_id, "X-Stamp": stamp}

@@ -48,6 +48,24 @@ def test_arrays_are_those_of_the_file_byte_for_byte(
     assert file("flags").endswith(depth.flags.astype(np.float32).tobytes())
 
 
+def test_two_apertures_and_stacks_are_measured(client: Client, pair: tuple[np.ndarray, np.ndarray]) -> None:
+    sharp, blunt = pair[1], pair[0]
+    iris = Optics(
+        focal_length_mm=35, f_numbers=(2.8, 8), focus_mm=500, range_end_mm=540, pixel_pitch_um=10, telecentric=True
+    )
+    depth = client.depth(blunt, sharp, optics=iris, apertures=True)
+    assert depth.depth_mm.shape == (160, 160)
+    assert depth.near_focus_mm > 500
+    stack = Optics(
+        focal_length_mm=35, f_number=8, focuses_mm=(500, 583, 701), pixel_pitch_um=10, telecentric=True
+    )
+    joined = client.depth_of_stack([*pair, blurred(texture(1), 2.5)], optics=stack)
+    assert joined.far_focus_mm == pytest.approx(701)
+    with pytest.raises(Problem) as refused:
+        client.depth_of_stack(pair, optics=stack)
+    assert [error.pointer for error in refused.value.errors] == ["/stack"]
+
+
 def test_a_pixel_has_a_depth_or_a_flag(client: Client, pair: tuple[np.ndarray, np.ndarray]) -> None:
     depth = client.depth(*pair, optics=OPTICS)
     assert depth.depth_mm.shape == depth.sigma_mm.shape == depth.flags.shape == (160, 160)

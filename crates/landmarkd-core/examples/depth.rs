@@ -10,7 +10,7 @@ use std::{env, fs};
 
 use anyhow::{Context, anyhow, bail};
 use landmarkd_core::depth::{
-    Aperture, Calibration, DepthOptions, Estimator, FocalPair, NearSensor, Optics, OpticsSpec,
+    Aperture, Calibration, DepthOptions, Estimator, FocalPair, Optics, OpticsSpec, Pair, Sensor,
 };
 use landmarkd_core::imaging::npy::npy_f32;
 use landmarkd_core::imaging::{DecodeLimits, Frame, decode};
@@ -21,9 +21,11 @@ fn main() -> anyhow::Result<()> {
     // The rig: put your own camera's figures here.
     let optics = Optics::new(&OpticsSpec {
         focal_length_mm: 25.0,
-        aperture: Aperture::FNumber(2.8),
-        near_sensor: NearSensor::FocusMm(529.0),
-        plane_separation_mm: 0.37,
+        pair: Pair::Focal {
+            aperture: Aperture::FNumber(2.8),
+            near_sensor: Sensor::FocusMm(529.0),
+            plane_separation_mm: 0.37,
+        },
         pixel_pitch_um: 29.0,
         telecentric: true,
         principal_point_px: None,

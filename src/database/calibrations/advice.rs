@@ -61,14 +61,16 @@ impl Rig {
 mod tests {
     use super::*;
     use jiff::Timestamp;
-    use landmarkd_core::depth::{Aperture, Calibration, NearSensor, OpticsSpec};
+    use landmarkd_core::depth::{Aperture, Calibration, OpticsSpec, Pair, Sensor};
 
     fn advice(aperture_mm: f64, telecentric: bool) -> String {
         let optics = Optics::new(&OpticsSpec {
             focal_length_mm: 25.0,
-            aperture: Aperture::DiameterMm(aperture_mm),
-            near_sensor: NearSensor::FocusMm(529.0),
-            plane_separation_mm: 0.37,
+            pair: Pair::Focal {
+                aperture: Aperture::DiameterMm(aperture_mm),
+                near_sensor: Sensor::FocusMm(529.0),
+                plane_separation_mm: 0.37,
+            },
             pixel_pitch_um: 29.0,
             telecentric,
             principal_point_px: None,

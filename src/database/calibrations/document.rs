@@ -6,8 +6,8 @@ use utoipa::ToSchema;
 
 use crate::database::words::words;
 use landmarkd_core::depth::{
-    Aperture, Calibration, Fault, Filters, ImageSize, Method, NearSensor, Noise, Optics, OpticsSpec,
-    Photometric, Registration, Residual, Table,
+    Aperture, Calibration, Fault, Filters, ImageSize, Method, Noise, Optics, OpticsSpec, Pair, Photometric,
+    Registration, Residual, Sensor, Table,
 };
 
 /// The version of the document's shape.
@@ -61,17 +61,24 @@ struct CalibrationDocument {
     residual: Option<ResidualDocument>,
 }
 
-/// The optics as they are kept: of the ways to describe a lens that a request has, the diameter of its aperture and the
-/// distance of the near-focused sensor.
+/// The optics as they are kept: of the ways to describe a lens that a request has, the diameters of its apertures and the
+/// distances of its sensors.
 #[derive(Serialize, Deserialize)]
 struct OpticsDocument {
     focal_length_mm: f64,
-    aperture_mm: f64,
-    near_plane_mm: f64,
-    plane_separation_mm: f64,
+    #[serde(flatten)]
+    pair: PairDocument,
     pixel_pitch_um: f64,
     telecentric: bool,
     principal_point_px: Option<[f64; 2]>,
+}
+
+/// What the two pictures differ by, told by its members.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum PairDocument {
+    Focal { aperture_mm: f64, near_plane_mm: f64, plane_separation_mm: f64 },
+    Aperture { apertures_mm: [f64; 2], plane_mm: f64, range_end_mm: f64 },
 }
 
 /// Declares a record of the core as the documents and the HTTP contract have it, with the conversions both ways.
@@ -255,17 +262,24 @@ impl From<&Calibration> for CalibrationDocument {
 impl From<&Optics> for OpticsDocument {
     fn from(optics: &Optics) -> Self {
         let spec = optics.spec();
+        let diameter_mm = |aperture: Aperture| aperture.diameter_mm(spec.focal_length_mm);
+        let plane_mm = |sensor: Sensor| {
+            sensor.plane_mm(spec.focal_length_mm).expect("a valid optics is focused beyond the focal length")
+        };
         Self {
             focal_length_mm: spec.focal_length_mm,
-            aperture_mm: match spec.aperture {
-                Aperture::DiameterMm(mm) => mm,
-                Aperture::FNumber(number) => spec.focal_length_mm / number,
+            pair: match spec.pair {
+                Pair::Focal { aperture, near_sensor, plane_separation_mm } => PairDocument::Focal {
+                    aperture_mm: diameter_mm(aperture),
+                    near_plane_mm: plane_mm(near_sensor),
+                    plane_separation_mm,
+                },
+                Pair::Aperture { apertures, sensor, range_end_mm } => PairDocument::Aperture {
+                    apertures_mm: apertures.map(diameter_mm),
+                    plane_mm: plane_mm(sensor),
+                    range_end_mm,
+                },
             },
-            near_plane_mm: match spec.near_sensor {
-                NearSensor::PlaneMm(mm) => mm,
-                NearSensor::FocusMm(_) => optics.far_plane_mm() + spec.plane_separation_mm,
-            },
-            plane_separation_mm: spec.plane_separation_mm,
             pixel_pitch_um: spec.pixel_pitch_um,
             telecentric: spec.telecentric,
             principal_point_px: spec.principal_point_px,
@@ -277,11 +291,21 @@ impl TryFrom<OpticsDocument> for Optics {
     type Error = UnreadableCalibration;
 
     fn try_from(document: OpticsDocument) -> Result<Self, UnreadableCalibration> {
+        let pair = match document.pair {
+            PairDocument::Focal { aperture_mm, near_plane_mm, plane_separation_mm } => Pair::Focal {
+                aperture: Aperture::DiameterMm(aperture_mm),
+                near_sensor: Sensor::PlaneMm(near_plane_mm),
+                plane_separation_mm,
+            },
+            PairDocument::Aperture { apertures_mm, plane_mm, range_end_mm } => Pair::Aperture {
+                apertures: apertures_mm.map(Aperture::DiameterMm),
+                sensor: Sensor::PlaneMm(plane_mm),
+                range_end_mm,
+            },
+        };
         let optics = Optics::new(&OpticsSpec {
             focal_length_mm: document.focal_length_mm,
-            aperture: Aperture::DiameterMm(document.aperture_mm),
-            near_sensor: NearSensor::PlaneMm(document.near_plane_mm),
-            plane_separation_mm: document.plane_separation_mm,
+            pair,
             pixel_pitch_um: document.pixel_pitch_um,
             telecentric: document.telecentric,
             principal_point_px: document.principal_point_px,
@@ -318,9 +342,11 @@ mod tests {
     fn full() -> Calibration {
         let optics = Optics::new(&OpticsSpec {
             focal_length_mm: 25.0,
-            aperture: Aperture::FNumber(2.8),
-            near_sensor: NearSensor::FocusMm(529.0),
-            plane_separation_mm: 0.37,
+            pair: Pair::Focal {
+                aperture: Aperture::FNumber(2.8),
+                near_sensor: Sensor::FocusMm(529.0),
+                plane_separation_mm: 0.37,
+            },
             pixel_pitch_um: 29.0,
             telecentric: true,
             principal_point_px: Some([320.25, 240.0]),
@@ -358,6 +384,34 @@ mod tests {
         assert_eq!(read(&text(&full)).unwrap(), full);
         let level_0 = Calibration::of(full.optics);
         assert_eq!(read(&text(&level_0)).unwrap(), level_0);
+    }
+
+    #[test]
+    fn an_aperture_pair_comes_back_bit_for_bit() {
+        let optics = Optics::new(&OpticsSpec {
+            focal_length_mm: 35.0,
+            pair: Pair::Aperture {
+                apertures: [8.0, 2.8].map(Aperture::FNumber),
+                sensor: Sensor::FocusMm(500.0),
+                range_end_mm: 540.0,
+            },
+            pixel_pitch_um: 10.0,
+            telecentric: false,
+            principal_point_px: None,
+        });
+        let kept = Calibration::of(optics.unwrap());
+        assert_eq!(read(&text(&kept)).unwrap(), kept);
+    }
+
+    #[test]
+    fn what_an_older_release_kept_is_read_and_kept_as_it_was() {
+        let optics = concat!(
+            r#"{"focal_length_mm":25.0,"aperture_mm":8.928571428571429,"near_plane_mm":26.240079365079367,"#,
+            r#""plane_separation_mm":0.37,"pixel_pitch_um":29.0,"telecentric":true,"principal_point_px":null}"#
+        );
+        let members = r#""registration":null,"photometric":null,"noise":null,"filters":null,"table":null,"residual":null"#;
+        let kept = format!(r#"{{"version":1,"image":null,"optics":{optics},{members}}}"#);
+        assert_eq!(text(&read(&kept).unwrap()), kept);
     }
 
     #[test]

@@ -34,10 +34,10 @@ pub use errors::{DepthErrors, DepthPair};
 /// Arguments of `landmarkd evaluate-depth`.
 #[derive(Args, Clone, Debug)]
 pub struct EvaluateDepthArgs {
-    /// The near-focused picture
+    /// The near-focused picture; of two apertures, that of the wider one
     #[arg(value_name = "NEAR")]
     pub near: PathBuf,
-    /// The far-focused picture
+    /// The far-focused picture; of two apertures, that of the narrower one
     #[arg(value_name = "FAR")]
     pub far: PathBuf,
     /// The optics as JSON, as `optics` in POST /v1/depth-maps
@@ -284,7 +284,11 @@ impl Run {
         let mut times = DepthTimes::default();
         let estimator = timed(&mut times.design, || Estimator::new(&Calibration::of(optics), options))
             .map_err(|source| DepthEvaluationError::Estimator { source })?;
-        let pair = timed(&mut times.decode, || pair_of(near, far))?;
+        let [first, second] = match optics.picture_names() {
+            ["narrow", _] => [far, near],
+            _ => [near, far],
+        };
+        let pair = timed(&mut times.decode, || pair_of(first, second))?;
         let (started, mut before) = (Instant::now(), 0.0);
         let mut finished = |stage| {
             let (now, time) = (ms_since(started), times.of_stage(stage));

@@ -72,7 +72,7 @@ pub enum Warning {
     ManyInconsistent,
     /// Fewer than 5 % of the pixels have a depth.
     LowCoverage,
-    /// By the scales of the pictures, near and far are exchanged.
+    /// By the scales of the pictures near and far are exchanged, or by their detail the two apertures.
     NearFarSwapped,
 }
 

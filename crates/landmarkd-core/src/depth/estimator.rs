@@ -12,9 +12,11 @@ use super::registration::{HALVING_SIGMA_PX, exchanged, fitted_registration, halv
 use super::resampling::{Affine, applied, composed, resampled};
 use super::stm::StmCurve;
 use super::{
-    Calibration, DepthOptions, Fault, Filters, FocalPair, Method, Photometric, Window, gram, laplacian, stm,
+    Calibration, DepthOptions, Fault, Filters, FocalPair, Method, Optics, Photometric, Window, gram,
+    laplacian, stm,
 };
 use crate::imaging::Image;
+use crate::vision::smoothed;
 
 /// Why no estimator can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -105,6 +107,10 @@ const MOVED_PX: f64 = 0.3;
 const LEAST_FIT_PX: f64 = 0.3;
 /// What a map may leave, in pixels: more is no shift, scale and turn.
 const MOST_LEFT_PX: f64 = 0.15;
+/// Smoothing before the detail of two apertures is compared, in pixels: against noise.
+const DETAIL_PX: f32 = 1.5;
+/// Times as much detail in the wider aperture's picture.
+const EXCHANGED_DETAIL: f64 = 1.5;
 /// Rounding to whole levels and what the sensor's own electronics adds at the least, in levels.
 const QUANTUM_LEVELS: f64 = 0.5;
 
@@ -197,6 +203,7 @@ impl Estimator {
         let mut registered = self.registered(pair);
         finished(Stage::Register);
         let gain = self.match_brightness(&mut registered);
+        self.halve(&mut registered);
         finished(Stage::Match);
         let Estimate { mut samples, noise_sigma } = self.measured(&registered, pair.bits);
         finished(Stage::Estimate);
@@ -221,7 +228,15 @@ impl Estimator {
     pub(super) fn uncalibrated(&self, pair: &FocalPair) -> Estimate {
         let mut registered = self.registered(pair);
         self.match_brightness(&mut registered);
+        self.halve(&mut registered);
         self.measured(&registered, pair.bits)
+    }
+
+    /// Both pictures in register and of one brightness.
+    pub(super) fn matched(&self, pair: &FocalPair) -> Registered {
+        let mut registered = self.registered(pair);
+        self.match_brightness(&mut registered);
+        registered
     }
 
     /// Both pictures without offsets, in register.
@@ -232,20 +247,27 @@ impl Estimator {
             Some(registration) => registration.affine_far_to_near,
             None => scaling(&self.calibration.optics, pair.width(), pair.height()),
         };
-        let brought = resampled(&far, &to_far);
-        let mut registered =
-            Registered { near, far: brought, to_far, shift_px: [0.0; 2], warnings: Vec::new() };
-        if exchanged(pair, &to_far, largest_blur_px) {
-            registered.warnings.push(Warning::NearFarSwapped);
-        }
-        if self.options.align {
-            registered.align(&far, largest_blur_px);
+        let mut registered = self.brought(near, &far, to_far);
+        if exchanged(pair, &to_far, largest_blur_px) || apertures_exchanged(&self.calibration.optics, pair) {
+            registered.warnings.insert(0, Warning::NearFarSwapped);
         }
         registered
     }
 
-    /// Matches the far picture's brightness, if the options ask for it, and halves both pictures; returns the gain.
-    fn match_brightness(&self, registered: &mut Registered) -> f64 {
+    /// The far picture brought into register by a map that is nearly right; and by what the pictures show, if the options
+    /// ask for it.
+    pub(super) fn brought(&self, near: Image, far: &Image, to_far: Affine) -> Registered {
+        let brought = resampled(far, &to_far);
+        let mut registered =
+            Registered { near, far: brought, to_far, shift_px: [0.0; 2], warnings: Vec::new() };
+        if self.options.align {
+            registered.align(far, self.calibration.optics.largest_blur_px());
+        }
+        registered
+    }
+
+    /// Matches the far picture's brightness, if the options ask for it; returns the gain.
+    pub(super) fn match_brightness(&self, registered: &mut Registered) -> f64 {
         let mut gain = 1.0;
         if self.options.match_brightness {
             let largest_blur_px = self.calibration.optics.largest_blur_px();
@@ -258,15 +280,19 @@ impl Estimator {
                 registered.warnings.push(Warning::ContrastOff);
             }
         }
+        gain
+    }
+
+    /// Halves both pictures as often as their blur needs it.
+    pub(super) fn halve(&self, registered: &mut Registered) {
         for _ in 0..self.halvings {
             registered.near = halved(&registered.near);
             registered.far = halved(&registered.far);
         }
-        gain
     }
 
     /// The method on a registered pair; the noise is that of the pictures as sent.
-    fn measured(&self, registered: &Registered, bits: u8) -> Estimate {
+    pub(super) fn measured(&self, registered: &Registered, bits: u8) -> Estimate {
         let Registered { near, far, .. } = registered;
         let scale = f64::from(1 << self.halvings);
         let quantum = QUANTUM_LEVELS * 255.0 / (2_f64.powi(i32::from(bits)) - 1.0) / scale;
@@ -320,8 +346,8 @@ impl Estimator {
 
 /// Two pictures in register, and how they were brought there.
 pub(super) struct Registered {
-    near: Image,
-    far: Image,
+    pub(super) near: Image,
+    pub(super) far: Image,
     pub(super) to_far: Affine,
     pub(super) shift_px: [f64; 2],
     pub(super) warnings: Vec<Warning>,
@@ -391,6 +417,21 @@ fn displacement(before: &Affine, after: &Affine, size: [usize; 2]) -> Displaceme
         scale_px: (((p * t - q * s) / (a * e - b * d)).abs().sqrt() - 1.0).abs() * half_diagonal_px,
         turn_px: ((s - q).atan2(p + t) - (d - b).atan2(a + e)).abs() * half_diagonal_px,
         farthest_px: corners.iter().fold(0.0, |most, [dx, dy]| dx.hypot(*dy).max(most)),
+    }
+}
+
+/// Whether the picture of the wider aperture shows more detail than the other: then they are exchanged.
+fn apertures_exchanged(optics: &Optics, pair: &FocalPair) -> bool {
+    let [first_mm, second_mm] = optics.apertures_mm();
+    let detail = |image: &Image| {
+        let squares: f32 = stm::laplacian(&smoothed(image, DETAIL_PX)).iter().map(|v| v * v).sum();
+        f64::from(squares) / image.mean().max(1.0).powi(2)
+    };
+    let [first, second] = [&pair.near, &pair.far].map(detail);
+    match first_mm.total_cmp(&second_mm) {
+        std::cmp::Ordering::Equal => false,
+        std::cmp::Ordering::Greater => first > EXCHANGED_DETAIL * second,
+        std::cmp::Ordering::Less => second > EXCHANGED_DETAIL * first,
     }
 }
 

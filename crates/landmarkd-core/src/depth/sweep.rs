@@ -184,7 +184,8 @@ impl Sweep {
         Estimator::without_table(&middle, &self.options)
     }
 
-    /// The rig with its table; fits its optics (aperture, separation, near plane) first if `fit_optics`.
+    /// The rig with its table; fits its optics (aperture, separation or ratio of apertures, sensor plane) first if
+    /// `fit_optics`.
     ///
     /// Calls `step` with the progress (done, total); stops and returns `None` if it returns false.
     ///
@@ -347,7 +348,7 @@ fn check_range(optics: &Optics, depths_mm: &[f64]) -> Result<(), SweepError> {
     Ok(())
 }
 
-/// Aperture, separation, near plane.
+/// Aperture, separation or ratio of apertures, sensor plane.
 const UNKNOWNS: usize = 3;
 /// Steps of the fit.
 const ROUNDS: usize = 4;
@@ -359,23 +360,16 @@ const MOST_MOVE: f64 = 4.0;
 const UNMEASURED: f64 = 50.0;
 /// Standard deviation of a plane's β.
 const PLANE_SIGMA: f64 = 0.01;
-/// Standard deviations of the stated optics: parts of the aperture and of the separation, and the near plane in parts of
-/// the separation.
+/// Standard deviations of the stated optics: parts of the aperture and of the separation (of an aperture pair: of the ratio
+/// of the apertures), and the first sensor's plane in parts of the image's span over the working range.
 const PRIORS: [f64; UNKNOWNS] = [0.1, 0.03, 0.25];
 /// Planes whose brightness deviates by less, as a part of its mean, don't determine shot noise.
 const LEAST_BRIGHTNESS_DEVIATION: f64 = 0.1;
 
 /// The optics with its unknowns changed, in prior deviations; unchanged if the result is no valid optics.
 fn perturbed(optics: &Optics, unknowns: &[f64; UNKNOWNS]) -> Optics {
-    let [aperture, separation, near_plane]: [f64; UNKNOWNS] =
-        std::array::from_fn(|k| PRIORS[k] * unknowns[k]);
-    let perturbed = Optics {
-        aperture_mm: optics.aperture_mm * aperture.exp(),
-        plane_separation_mm: optics.plane_separation_mm * separation.exp(),
-        near_plane_mm: optics.near_plane_mm + optics.plane_separation_mm * near_plane,
-        ..*optics
-    };
-    Optics::new(&perturbed.spec()).unwrap_or(*optics)
+    let [widened, spread, moved]: [f64; UNKNOWNS] = std::array::from_fn(|k| PRIORS[k] * unknowns[k]);
+    Optics::new(&optics.perturbed_spec(widened.exp(), spread.exp(), moved)).unwrap_or(*optics)
 }
 
 impl PlaneEstimate {

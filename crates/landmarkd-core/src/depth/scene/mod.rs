@@ -16,7 +16,7 @@ use rays::{RadiusMap, gathered};
 pub use relief::Relief;
 pub use texture::Texture;
 
-use super::{Aperture, FocalPair, NearSensor, Optics, OpticsSpec, PairError};
+use super::{Aperture, Fault, FocalPair, Optics, OpticsSpec, Pair, PairError, Sensor};
 use crate::imaging::{Frame, Image, Random, encode};
 
 /// A rig for tests and examples: a lens of 35 mm, focused at 500 and at 583 mm, pixels of 10 µm. Its largest blur is 40 px
@@ -25,16 +25,36 @@ use crate::imaging::{Frame, Image, Random, encode};
 /// # Panics
 /// If the f-number makes no valid optics: 0.4 to 80 do.
 pub fn bench_optics(f_number: f64, telecentric: bool) -> Optics {
-    let spec = OpticsSpec {
-        focal_length_mm: 35.0,
+    let pair = Pair::Focal {
         aperture: Aperture::FNumber(f_number),
-        near_sensor: NearSensor::FocusMm(500.0),
+        near_sensor: Sensor::FocusMm(500.0),
         plane_separation_mm: 0.4,
+    };
+    bench(pair, telecentric).expect("an f-number that makes a blur of 0.5 to 100 px")
+}
+
+/// The same lens before one sensor, focused at 500 mm and photographed with two f-numbers, for a working range that ends at
+/// this distance.
+///
+/// # Panics
+/// If they make no valid optics.
+pub fn bench_aperture_pair(f_numbers: [f64; 2], range_end_mm: f64, telecentric: bool) -> Optics {
+    let pair = Pair::Aperture {
+        apertures: f_numbers.map(Aperture::FNumber),
+        sensor: Sensor::FocusMm(500.0),
+        range_end_mm,
+    };
+    bench(pair, telecentric).expect("f-numbers and a range that make a blur of 0.5 to 120 px")
+}
+
+fn bench(pair: Pair, telecentric: bool) -> Result<Optics, Vec<Fault>> {
+    Optics::new(&OpticsSpec {
+        focal_length_mm: 35.0,
+        pair,
         pixel_pitch_um: 10.0,
         telecentric,
         principal_point_px: None,
-    };
-    Optics::new(&spec).expect("an f-number that makes a blur of 0.5 to 100 px")
+    })
 }
 
 /// The scene before the camera.
@@ -389,6 +409,14 @@ impl Rendered {
             Frame::gray(Image::new(self.width, self.height, levels))
         };
         FocalPair::new(frame(&self.near), frame(&self.far), self.bits)
+    }
+
+    /// The same with the pictures exchanged.
+    ///
+    /// # Errors
+    /// As of [`FocalPair::new`].
+    pub fn exchanged_pair(&self) -> Result<FocalPair, PairError> {
+        Rendered { near: self.far.clone(), far: self.near.clone(), ..self.clone() }.pair()
     }
 
     /// The near- and the far-focused picture as PNG files.

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use super::components::{Run, area_px};
 use super::distance_map::{DistanceMap, ONE_PX};
+use super::region::Sums;
 
 /// A component of at least this solidity is one part.
 const CONVEX: f64 = 0.95;
@@ -16,8 +17,9 @@ const WIDEST_NECK: f64 = 0.8;
 /// Pieces of a clear division: the broadest neck, and the least solidity.
 const CLEAR_NECK: f64 = 0.7;
 const CLEAR_SOLIDITY: f64 = 0.93;
-/// And the highest solidity of the whole.
+/// And the highest solidity of the whole, and of two the highest elongation: the blades of a propeller are one part.
 const CLEAR_WHOLE: f64 = 0.93;
+const CLEAR_ELONGATION: f64 = 3.0;
 /// Pieces that may be parts have at least this solidity, this part of the largest one's area, and this depth.
 const LEAST_SOLIDITY: f64 = 0.88;
 const LEAST_PART: f64 = 0.12;
@@ -51,10 +53,11 @@ pub(super) fn reading(runs: &[Run]) -> Reading {
     }
     let pieces = map.runs(&numbers, pieces);
     let least = pieces.iter().map(|runs| solidity(runs)).fold(1.0, f64::min);
-    if std::env::var("PAIRS").is_ok() {
-        eprintln!("whole {whole:.3} least {least:.3} neck {widest_neck:.3} pieces {}", pieces.len());
-    }
-    if least >= CLEAR_SOLIDITY && whole <= CLEAR_WHOLE && widest_neck <= CLEAR_NECK {
+    let is_clear = least >= CLEAR_SOLIDITY
+        && whole <= CLEAR_WHOLE
+        && widest_neck <= CLEAR_NECK
+        && (pieces.len() > 2 || Sums::of(runs).elongation() <= CLEAR_ELONGATION);
+    if is_clear {
         Reading::Several(pieces)
     } else if least >= LEAST_SOLIDITY {
         Reading::Unclear(pieces)
