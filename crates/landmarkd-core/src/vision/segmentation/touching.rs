@@ -15,7 +15,7 @@ const CONVEX: f64 = 0.95;
 /// Two peaks with a neck of at least this part of the lower one are one.
 const WIDEST_NECK: f64 = 0.8;
 /// Pieces of a clear division: the broadest neck, and the least solidity.
-const CLEAR_NECK: f64 = 0.7;
+const CLEAR_NECK: f64 = 0.64;
 const CLEAR_SOLIDITY: f64 = 0.93;
 /// And the highest solidity of the whole, and of two the highest elongation: the blades of a propeller are one part.
 const CLEAR_WHOLE: f64 = 0.93;
