@@ -327,7 +327,10 @@ fn measure_pair(
     };
     clock.end("design");
     let map = estimator.estimate(&pair, &mut |stage| clock.end(stage_word(stage)))?;
-    let optics = blur_scale.map_or(calibration.optics, |scale| scale.optics);
+    let (map, optics) = match &blur_scale {
+        None => (map, calibration.optics),
+        Some(scale) => (map.with_error_of(scale), scale.optics),
+    };
     Ok(Measured::of(map, &pair, optics.largest_blur_px(), blur_scale, form, clock))
 }
 

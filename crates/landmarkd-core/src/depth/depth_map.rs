@@ -1,7 +1,7 @@
 //! A depth map: distance, expected error and flags of every pixel of the near-focused picture, and figures of the
 //! whole.
 
-use super::Optics;
+use super::{BlurScale, Optics};
 
 /// Why a pixel has no depth: one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +162,20 @@ impl DepthMap {
     /// or the texture is too weak).
     pub fn sigma_mm(&self) -> &[f32] {
         &self.sigma_mm
+    }
+
+    /// The map with the error that an aperture of this `blur_scale` brings to all depths: the difference of the squares of both
+    /// blurs is K²β, so that K wrong by a part ε makes β wrong by 2εβ.
+    #[must_use]
+    pub fn with_error_of(mut self, blur_scale: &BlurScale) -> DepthMap {
+        let part = 2.0 * blur_scale.sigma_px / blur_scale.optics.largest_blur_px();
+        for (sigma_mm, &depth_mm) in self.sigma_mm.iter_mut().zip(&self.depth_mm) {
+            let depth_mm = f64::from(depth_mm);
+            let beta = self.optics.beta(depth_mm);
+            let shared_mm = self.optics.depth_mm(beta * (1.0 + part)) - depth_mm;
+            *sigma_mm = sigma_mm.hypot(shared_mm as f32);
+        }
+        self
     }
 
     /// Flags of each pixel, the bits of [`Flag`]; 0 where there is a depth.
