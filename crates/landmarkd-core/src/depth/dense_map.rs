@@ -72,7 +72,8 @@ impl DenseMap<'_> {
         };
         let depth_mm: Vec<f32> = beta.iter().map(depth_mm).collect();
         let summary = self.summary(&depth_mm, &flags);
-        DepthMap { width, height, depth_mm, sigma_mm, flags, optics: *self.optics, summary }
+        let halvings = self.halvings;
+        DepthMap { width, height, depth_mm, sigma_mm, flags, optics: *self.optics, halvings, summary }
     }
 
     fn grade(&self, sample: &Sample) -> Grade {

@@ -1,6 +1,10 @@
 //! A depth map: distance, expected error and flags of every pixel of the near-focused picture, and figures of the
 //! whole.
 
+use std::f64::consts::PI;
+
+use super::prediction::{HALVED_WINDOW_PX, WINDOW_PX};
+use super::selection::TEXTURE_SIGMA;
 use super::{BlurScale, Optics};
 
 /// Why a pixel has no depth: one bit each.
@@ -138,6 +142,7 @@ pub struct DepthMap {
     pub(super) sigma_mm: Vec<f32>,
     pub(super) flags: Vec<u8>,
     pub(super) optics: Optics,
+    pub(super) halvings: u32,
     /// Figures of the whole map.
     pub summary: Summary,
 }
@@ -164,15 +169,30 @@ impl DepthMap {
         &self.sigma_mm
     }
 
+    /// The standard deviation to be expected of the median of so many depths that lie side by side, each of `sigma_mm`: what
+    /// noise makes of them averages out window by window, and what one texture makes of them doesn't.
+    pub fn sigma_of_median_mm(&self, sigma_mm: f64, depths: usize) -> f64 {
+        // β spans two over the working range.
+        let shared_mm = (f64::from(TEXTURE_SIGMA) / 2.0 * self.optics.range_mm()).min(sigma_mm);
+        let window_px = match self.halvings {
+            0 => WINDOW_PX,
+            halvings => HALVED_WINDOW_PX * f64::from(1 << halvings),
+        };
+        let windows = (depths as f64 / (4.0 * PI * window_px * window_px)).max(1.0);
+        ((sigma_mm * sigma_mm - shared_mm * shared_mm) / windows).sqrt().hypot(shared_mm)
+    }
+
     /// The map with the error that an aperture of this `blur_scale` brings to all depths: the difference of the squares of both
     /// blurs is K²β, so that K wrong by a part ε makes β wrong by 2εβ.
     #[must_use]
     pub fn with_error_of(mut self, blur_scale: &BlurScale) -> DepthMap {
         let part = 2.0 * blur_scale.sigma_px / blur_scale.optics.largest_blur_px();
-        for (sigma_mm, &depth_mm) in self.sigma_mm.iter_mut().zip(&self.depth_mm) {
+        let known = self.sigma_mm.iter_mut().zip(&self.depth_mm).filter(|(_, depth)| depth.is_finite());
+        for (sigma_mm, &depth_mm) in known {
             let depth_mm = f64::from(depth_mm);
             let beta = self.optics.beta(depth_mm);
-            let shared_mm = self.optics.depth_mm(beta * (1.0 + part)) - depth_mm;
+            // Towards the lens, where no distance is infinite.
+            let shared_mm = self.optics.depth_mm(beta + part * beta.abs()) - depth_mm;
             *sigma_mm = sigma_mm.hypot(shared_mm as f32);
         }
         self

@@ -423,16 +423,16 @@ fn displacement(before: &Affine, after: &Affine, size: [usize; 2]) -> Displaceme
 /// Whether the picture of the wider aperture shows more detail than the other: then they are exchanged.
 fn apertures_exchanged(optics: &Optics, pair: &FocalPair) -> bool {
     let [first_mm, second_mm] = optics.apertures_mm();
+    if first_mm == second_mm {
+        return false;
+    }
     let detail = |image: &Image| {
-        let squares: f32 = stm::laplacian(&smoothed(image, DETAIL_PX)).iter().map(|v| v * v).sum();
-        f64::from(squares) / image.mean().max(1.0).powi(2)
+        let laplacian = stm::laplacian(&smoothed(image, DETAIL_PX));
+        laplacian.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() / image.mean().max(1.0).powi(2)
     };
     let [first, second] = [&pair.near, &pair.far].map(detail);
-    match first_mm.total_cmp(&second_mm) {
-        std::cmp::Ordering::Equal => false,
-        std::cmp::Ordering::Greater => first > EXCHANGED_DETAIL * second,
-        std::cmp::Ordering::Less => second > EXCHANGED_DETAIL * first,
-    }
+    let (wide, narrow) = if first_mm > second_mm { (first, second) } else { (second, first) };
+    wide > EXCHANGED_DETAIL * narrow
 }
 
 /// Both pictures without their dark levels, the far one with its gain.

@@ -42,7 +42,7 @@ pub enum Pair {
         /// How much nearer to the lens the far-focused picture's sensor stands, in mm: b.
         plane_separation_mm: f64,
     },
-    /// How wide the lens is.
+    /// How wide the lens is open.
     Aperture {
         /// Two apertures, in either order.
         apertures: [Aperture; 2],

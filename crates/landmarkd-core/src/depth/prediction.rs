@@ -39,9 +39,9 @@ pub struct Prediction {
 }
 
 /// The window that errors are predicted for: one that is filled with texture, standard deviation in pixels.
-const WINDOW_PX: f64 = 7.0;
+pub(super) const WINDOW_PX: f64 = 7.0;
 /// The same in a halved picture.
-const HALVED_WINDOW_PX: f64 = 5.0;
+pub(super) const HALVED_WINDOW_PX: f64 = 5.0;
 /// No depth lies farther out.
 const MOST_BETA: f64 = super::dense_map::MOST_BETA as f64;
 /// Steps from one end of the range to the other in which the working range is looked for.

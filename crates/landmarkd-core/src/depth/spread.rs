@@ -115,6 +115,9 @@ impl Spread {
                 (place.round().max(0.0) as usize).min(count - 1)
             });
             let support = &self.points[v * self.width + u];
+            if number > 0 && support.expected.is_infinite() {
+                continue;
+            }
             let mut excess = support.excess();
             if number > 0 && excess < least {
                 let [dx, dy] = [(x, u), (y, v)].map(|(at, middle)| at as f32 - (middle * self.step) as f32);

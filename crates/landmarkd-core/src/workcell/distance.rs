@@ -9,15 +9,11 @@ use crate::vision::segmentation::{Region, Segmentation};
 pub struct PartDistance {
     /// Median of the depths within the region.
     pub distance_mm: f64,
-    /// Standard deviation to be expected: the median of that of single depths over the root of the number of windows that
-    /// the depths fill, since errors within a window are alike. `None` if the method gives none.
+    /// Standard deviation to be expected, by the median of that of single depths. `None` if the method gives none.
     pub sigma_mm: Option<f64>,
     /// Part of the region's pixels that have a depth, above 0.
     pub coverage: f64,
 }
-
-/// Pixels of one window, within which errors of depth are alike: 4πw² of a Gaussian one of 7 px.
-const WINDOW_AREA_PX: f64 = 616.0;
 
 impl PartDistance {
     /// The distance of a region; `None` if none of its pixels has a depth.
@@ -35,9 +31,8 @@ impl PartDistance {
             inside.map(|at| (map.depth_mm()[at], map.sigma_mm()[at])).unzip();
         sigmas.retain(|sigma| sigma.is_finite());
         let coverage = depths.len() as f64 / region.area_px as f64;
-        let windows = (depths.len() as f64 / WINDOW_AREA_PX).max(1.0);
         let median = |values: &mut [f32]| median(values, f32::total_cmp).map(f64::from);
-        let sigma_mm = median(&mut sigmas).map(|sigma_mm| sigma_mm / windows.sqrt());
+        let sigma_mm = median(&mut sigmas).map(|sigma_mm| map.sigma_of_median_mm(sigma_mm, depths.len()));
         Some(PartDistance { distance_mm: median(&mut depths)?, sigma_mm, coverage })
     }
 }

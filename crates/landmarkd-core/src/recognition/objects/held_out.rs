@@ -296,7 +296,7 @@ impl HeldOutStatistics {
         Trial { object, own_distance, is_likely, other, own_is_first, pose_ratio: None }
     }
 
-    /// B(16): the threshold that accepts a part `accept` of the known, of gradients nothing that isn't likelier right than wrong; the radius
+    /// B(16): the threshold that accepts a part `accept` of the known, of gradients nothing that isn't [`LEAST_ODDS`] times as likely right as wrong; the radius
     /// that loses none of them, and the confidence.
     pub fn acceptance(
         &self,

@@ -29,7 +29,7 @@ pub struct ObjectParts {
     pub width_px: usize,
     /// Height of the database's pictures.
     pub height_px: usize,
-    /// Window that histograms are of; `None` of intensities, and for the narrowest.
+    /// Window that histograms are of; `None` of intensities, and of gradients the narrowest.
     pub window_px: Option<f64>,
     /// Sorted by label, then pose (none last), then id.
     pub views: Vec<ViewName>,

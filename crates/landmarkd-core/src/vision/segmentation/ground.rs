@@ -233,6 +233,11 @@ impl SmoothSurface {
     fn level(&self, plane: usize) -> f32 {
         self.sums[plane] / self.blocks
     }
+
+    fn is_alike(&self, other: &SmoothSurface, range: f32) -> bool {
+        let mut planes = 0..self.sums.len();
+        planes.all(|plane| (self.level(plane) - other.level(plane)).abs() <= SAME_PART * range)
+    }
 }
 
 impl SmoothSurfaces {
@@ -340,7 +345,7 @@ impl SmoothSurfaces {
         }
         let is_ground = |surface: &SmoothSurface| match scene {
             Scene::Table => std::ptr::eq(surface, best),
-            Scene::OneObject => self.alike(best, range).any(|other| std::ptr::eq(surface, other)),
+            Scene::OneObject => surface.border_blocks > 0.0 && surface.is_alike(best, range),
         };
         let is_ground: Vec<bool> = self.surfaces.iter().map(is_ground).collect();
         self.of_block.iter().map(|&number| is_ground[number]).collect()
@@ -352,11 +357,8 @@ impl SmoothSurfaces {
         surface: &'a SmoothSurface,
         range: f32,
     ) -> impl Iterator<Item = &'a SmoothSurface> {
-        let is_alike = move |other: &&SmoothSurface| {
-            let mut planes = 0..other.sums.len();
-            planes.all(|plane| (other.level(plane) - surface.level(plane)).abs() <= SAME_PART * range)
-        };
-        self.surfaces.iter().filter(|other| other.border_blocks > 0.0).filter(is_alike)
+        let at_border = self.surfaces.iter().filter(|other| other.border_blocks > 0.0);
+        at_border.filter(move |other| other.is_alike(surface, range))
     }
 }
 
@@ -480,7 +482,7 @@ mod tests {
         let ball = |x: usize, y: usize| {
             let (dx, dy) = ((x as f32 - 99.5) / 104.0, (y as f32 - 74.5) / 79.0);
             let radius = dx.hypot(dy);
-            (radius < 1.0).then(|| 210.0 - 60.0 * radius * radius)
+            (radius < 1.0).then_some(210.0 - 60.0 * radius * radius)
         };
         for polarity in [Polarity::LightOnDark, Polarity::Either] {
             let (_, levels) = ground_of(Scene::OneObject, polarity, |x, y| ball(x, y).or(Some(12.0)));

@@ -27,7 +27,7 @@ const LEAST_DEPTH: u16 = 4 * ONE_PX;
 
 /// Directions in which the shortest chord across a neck is sought.
 const CHORDS: usize = 36;
-/// Larger components are taken for one part: a division takes 20 bytes a pixel.
+/// Larger components are taken for one part: a division takes 40 bytes a pixel.
 const MOST_PX: usize = 4 << 20;
 
 /// What a component may be.
@@ -282,6 +282,9 @@ fn shortest_chord(map: &DistanceMap, at: usize) -> Vec<usize> {
 /// those of which most is of its basin; if one has none, the chords don't divide, and the basins are the pieces. What is left,
 /// the chords too, belongs to what it touches.
 fn divided(width: usize, basins: &[u32], chords: &[usize], pieces: usize) -> Vec<u32> {
+    if pieces < 2 {
+        return basins.to_vec();
+    }
     let mut free: Vec<bool> = basins.iter().map(|&basin| basin != NONE).collect();
     chords.iter().for_each(|&at| free[at] = false);
     let mut largest: Vec<Vec<usize>> = vec![vec![]; pieces];
@@ -310,20 +313,27 @@ fn divided(width: usize, basins: &[u32], chords: &[usize], pieces: usize) -> Vec
         return basins.to_vec();
     }
     let mut numbers = vec![NONE; basins.len()];
-    for (piece, members) in largest.into_iter().enumerate() {
-        members.into_iter().for_each(|at| numbers[at] = piece as u32);
+    for (piece, members) in largest.iter().enumerate() {
+        members.iter().for_each(|&at| numbers[at] = piece as u32);
     }
-    loop {
-        let left = rest.len();
-        rest.retain(|&at| {
-            let number = around(at, width).into_iter().map(|other| numbers[other]).min().unwrap_or(NONE);
-            numbers[at] = number;
-            number == NONE
-        });
-        if rest.len() == left {
-            return numbers;
+    // From the pixels that touch a piece on, ring by ring.
+    let mut is_left = vec![false; basins.len()];
+    rest.iter().for_each(|&at| is_left[at] = true);
+    let mut ring: Vec<usize> =
+        rest.into_iter().flat_map(|at| around(at, width)).filter(|&at| numbers[at] != NONE).collect();
+    while !ring.is_empty() {
+        let mut next = vec![];
+        for at in ring {
+            for other in around(at, width) {
+                if std::mem::take(&mut is_left[other]) {
+                    numbers[other] = numbers[at];
+                    next.push(other);
+                }
+            }
         }
+        ring = next;
     }
+    numbers
 }
 
 /// The eight neighbours of a pixel.
