@@ -49,7 +49,10 @@ pub struct CalibrationBody {
     pub optics: OpticsBody,
     /// The optics as described, if it was fitted to a sweep since; else null.
     pub stated_optics: Option<OpticsBody>,
+    /// Of an aperture pair, here and in `photometric`, near is the first picture: the wide-open one when the range ends beyond
+    /// the focus, the stopped-down one when it ends before it.
     pub registration: Option<RegistrationDocument>,
+    /// For near and far of an aperture pair see `registration`.
     pub photometric: Option<PhotometricDocument>,
     pub noise: Option<NoiseDocument>,
     /// What the table was measured with.
@@ -170,8 +173,8 @@ pub async fn delete(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Pictures to register by. Of a rig of two apertures `wide` and `narrow` stand for `near` and `far`, also in `dark_wide`
-/// and the others.
+/// Pictures to register by. A rig of two apertures has `wide` and `narrow` in place of `near` and `far`, also in `dark_wide`
+/// and the others; which of them its calibration calls near, see there.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
 pub struct RegistrationForm {

@@ -16,9 +16,9 @@ use super::extract::Query;
 use super::optics::{Lens, OpticsBody, rounded_mm};
 use super::options::{DepthOptionsBody, WindowBody};
 use super::pairs::{PAIR_PARTS, PairParts, PairPictures, depth_picture};
-use super::problem::{FieldError, Problem};
+use super::problem::{Code, FieldError, Problem};
 use super::stages::{StageClock, ms};
-use super::uploads::{KnownParts, PartList, Picture, RobotHeader};
+use super::uploads::{KnownParts, MAX_DEPTH_BYTES, PartList, Picture, RobotHeader};
 use super::{Service, accept};
 use crate::compute::Lane;
 use crate::database::{DepthMethodWord, FrameHeader, Name};
@@ -78,9 +78,11 @@ pub struct DepthMapBody {
     pub calibration: Option<String>,
     pub width_px: usize,
     pub height_px: usize,
-    /// The distance that the near-focused picture is focused at; of an aperture pair, the near end of the working range.
+    /// The distance that the near-focused picture is focused at, of a stack its first; of an aperture pair, the near end of
+    /// the working range.
     pub near_focus_mm: f64,
-    /// The distance that the far-focused picture is focused at; of an aperture pair, the far end of the working range.
+    /// The distance that the far-focused picture is focused at, of a stack its last; of an aperture pair, the far end of the
+    /// working range.
     pub far_focus_mm: f64,
     /// From the one to the other: the working range.
     pub range_mm: f64,
@@ -96,9 +98,11 @@ pub struct DepthMapBody {
     pub depth_mm: Option<DepthSpanBody>,
     /// Noise of a picture in grey levels of 255, as the method sees it; null if it can't.
     pub noise_sigma: Option<f64>,
-    /// By how much the far-focused picture was displaced; it was moved back. Of an aperture pair: one of the two.
+    /// By how much the far-focused picture was displaced; it was moved back. Of an aperture pair: one of the two. Of a stack:
+    /// the picture that was farthest off.
     pub shift_px: [f64; 2],
-    /// What the far-focused picture was multiplied by. Of an aperture pair: one of the two.
+    /// What the far-focused picture was multiplied by. Of an aperture pair: one of the two. Of a stack: the picture that was
+    /// farthest off the one before it.
     pub gain: f64,
     /// Pixels without a depth, by the reason: `low_texture`, `saturated`, `out_of_range`, `inconsistent`, `border`,
     /// `ambiguous`.
@@ -136,7 +140,8 @@ pub struct DepthSpanBody {
 pub struct DepthTimings {
     /// Waiting for a computing thread.
     pub queue: f64,
-    /// Making filters ready; next to nothing when the same optics and options were used lately.
+    /// Making filters ready; next to nothing when the same optics and options were used lately. Those of a focus stack are
+    /// made for each call.
     pub design: f64,
     pub decode: f64,
     /// All that follows decoding: the sum of the four below.
@@ -482,10 +487,13 @@ impl Asked {
     }
 }
 
+/// Most memory that the pictures of a stack may take together: that of the largest pair.
+const MAX_STACK_BYTES: u64 = 2 * MAX_DEPTH_BYTES;
+
 /// The pictures of a focus stack.
 ///
 /// # Errors
-/// Everything that is wrong with the form; or the first that is no picture for depth.
+/// Everything that is wrong with the form; the first that is no picture for depth; or that all together are too large.
 fn stack_pictures(
     parts: &mut KnownParts,
     optics: &StackOptics,
@@ -509,7 +517,18 @@ fn stack_pictures(
         return Err(Problem::fields(std::mem::take(&mut parts.faults)));
     }
     let pictures = sent.into_iter().enumerate();
-    pictures.map(|(at, bytes)| depth_picture(&stack_part(at), bytes, limits)).collect()
+    let pictures = pictures.map(|(at, bytes)| depth_picture(&stack_part(at), bytes, limits));
+    let pictures = pictures.collect::<Result<Vec<Picture>, Problem>>()?;
+    let depth_bytes: u64 = pictures.iter().map(|picture| picture.depth_bytes).sum();
+    if depth_bytes > MAX_STACK_BYTES {
+        let text = format!(
+            "measuring depth in these pictures takes {} MiB, more than the {} that are allowed: send fewer, or smaller ones",
+            depth_bytes >> 20,
+            MAX_STACK_BYTES >> 20
+        );
+        return Err(Problem::new(Code::ImageTooLarge, text).in_part("stack"));
+    }
+    Ok(pictures)
 }
 
 async fn depth_map(

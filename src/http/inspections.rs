@@ -202,7 +202,7 @@ impl Pictures {
         let pair = match calibration.filter(|_| parts.holds("near") || parts.holds("wide")) {
             Some(calibration) => {
                 let calibration = service.databases.rig(calibration).await?.calibration;
-                let Some(taken) = PairParts::take(&mut parts) else {
+                let (Some(taken), []) = (PairParts::take(&mut parts), parts.faults.as_slice()) else {
                     return Err(Problem::fields(parts.faults));
                 };
                 let pictures = taken.pictures(&calibration.optics, &service.decode)?;
@@ -266,10 +266,11 @@ fn inspected(
         });
     };
     let inspection = match (&pair, &pictures.pair) {
-        (Some(pair), Some(Pair { scene, calibration, .. })) => {
+        (Some(pair), Some(Pair { pictures, scene, calibration })) => {
             let view = PairView { pair, scene: *scene, calibration };
             let estimator = |calibration: &_, options: &_| service.estimators.ready(calibration, options);
-            inspect_with_depth(&overview, &view, workcell, model, estimator, finished)?
+            inspect_with_depth(&overview, &view, workcell, model, estimator, finished)
+                .map_err(|error| refused(error, pictures.first_name()))?
         }
         _ => inspect(&overview, workcell, model, finished),
     };
@@ -293,14 +294,15 @@ fn objects(version: &LoadedVersion) -> Result<&Objects, Problem> {
     }
 }
 
-impl From<InspectionError> for Problem {
-    fn from(error: InspectionError) -> Self {
-        match error {
-            InspectionError::OtherSize { overview_px, pair_px } => other_size(overview_px, pair_px),
-            InspectionError::UnknownRegion { id, regions } => unknown_region(id, regions),
-            InspectionError::Estimator(error) => error.into(),
-            InspectionError::Estimate(error) => error.into(),
+/// The problem of a pair whose first picture is the part of this name.
+fn refused(error: InspectionError, first: &str) -> Problem {
+    match error {
+        InspectionError::OtherSize { overview_px, pair_px } => {
+            other_size(overview_px, pair_px).in_part(first)
         }
+        InspectionError::UnknownRegion { id, regions } => unknown_region(id, regions),
+        InspectionError::Estimator(error) => error.into(),
+        InspectionError::Estimate(error) => error.into(),
     }
 }
 
@@ -310,7 +312,7 @@ fn other_size(overview_px: (usize, usize), pair_px: (usize, usize)) -> Problem {
          is the local camera's view of one part",
         pair_px.0, pair_px.1, overview_px.0, overview_px.1
     );
-    Problem::new(Code::ImageSizeMismatch, text).in_part("near")
+    Problem::new(Code::ImageSizeMismatch, text)
 }
 
 fn unknown_region(id: usize, regions: usize) -> Problem {
@@ -330,27 +332,28 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
     let mut fault = |pointer: &str, detail: &str| {
         faults.push(FieldError { pointer: pointer.into(), detail: detail.into() });
     };
-    let mut any = false;
+    let mut first = None;
     for [a, b] in [["near", "far"], ["wide", "narrow"]] {
         for [missing, sent] in [[a, b], [b, a]] {
-            any |= parts.holds(sent);
+            first = first.or(parts.holds(sent).then_some(sent));
             if parts.holds(sent) && !parts.holds(missing) {
                 fault(&format!("/{missing}"), &format!("is missing: {a} and {b} come together"));
             }
         }
     }
-    if any && !has_calibration {
+    if let Some(first) = first.filter(|_| !has_calibration) {
         fault(
-            "/near",
-            "needs a calibration: PUT the workcell with the name of one, or leave near and far out",
+            &format!("/{first}"),
+            "needs a calibration: PUT the workcell with the name of one, or leave the pair out",
         );
     }
+    let any = first.is_some();
     let is_overview = query.pair_view == Some(PairViewWord::Overview);
     if query.pair_view.is_some() && !any {
-        fault("#pair_view", "is about a pair: send near and far, or leave it out");
+        fault("#pair_view", "is about a pair: send near and far, or wide and narrow, or leave it out");
     }
     if query.region.is_some() && !any {
-        fault("#region", "says what a pair shows: send near and far, or leave it out");
+        fault("#region", "says what a pair shows: send near and far, or wide and narrow, or leave it out");
     } else if query.region.is_some() && is_overview {
         fault("#region", "and pair_view=overview exclude each other: there the pair shows every part");
     }

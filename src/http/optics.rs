@@ -175,7 +175,7 @@ impl OpticsBody {
         for field in ["aperture_mm", "f_number"].into_iter().filter(|field| !aperture_known && sent(field)) {
             fault(field, "and an unknown aperture exclude each other: leave one out");
         }
-        // Unknown, it is as wide as blurs well.
+        // Unknown, it is as wide as blurs well; `valid` leaves out what is wrong with it if one of these lengths is.
         let usual_mm = USUAL_BLUR_PX * pixel_pitch_um / 1000.0 * focal_length_mm / range_mm;
         let mut one_of = |[a, b]: [&str; 2], given: [bool; 2]| match given {
             [true, true] => {
@@ -209,6 +209,13 @@ impl OpticsBody {
                 telecentric: body.telecentric.unwrap_or_default(),
                 principal_point_px: body.principal_point_px,
             });
+            // A list without settings doesn't say of what kind they are.
+            let field = if sent("planes_mm") { "planes_mm" } else { "focuses_mm" };
+            let of_sent = |fault: Fault| match fault.field {
+                "planes_mm" | "focuses_mm" => Fault { field, ..fault },
+                _ => fault,
+            };
+            let described = described.map_err(|wrong| wrong.into_iter().map(of_sent).collect());
             return valid(described.map(Lens::Stack), faults, at, members);
         }
         let pair = if is_aperture_pair {
@@ -243,7 +250,18 @@ impl OpticsBody {
             principal_point_px: body.principal_point_px,
         };
         let lens = if aperture_known { Lens::Pair } else { Lens::OpenPair };
-        valid(Optics::new(&spec).map(lens), faults, at, members)
+        let described = Optics::new(&spec).map_err(|wrong| match (body.plane_mm, wrong.as_slice()) {
+            // What is said of the sensor and the range together is the sensor's fault alone.
+            (Some(mm), [sensor, range]) if mm <= focal_length_mm && sensor.message == range.message => {
+                let message = format!(
+                    "must exceed the focal length of {focal_length_mm} mm, not be {mm}: a sensor there is focused on \
+                     nothing"
+                );
+                vec![Fault { field: "plane_mm", message }]
+            }
+            _ => wrong,
+        });
+        valid(described.map(lens), faults, at, members)
     }
 }
 
@@ -263,16 +281,21 @@ fn valid(
         Ok(lens) if faults.is_empty() => return Ok(lens),
         described => described.err().unwrap_or_default(),
     };
+    let is_alone = faults.is_empty() && impossible.len() == 1;
+    let mut unsent = Vec::new();
     for fault in impossible {
         let open = fault.field == "aperture_mm" && sent(members, "aperture");
         let field = if open { "aperture" } else { fault.field };
         let pointer = format!("{at}/{field}");
-        // What is absent, or can't be read, has a value in the description that nobody sent.
-        if sent(members, field) && !faults.iter().any(|fault| fault.pointer == pointer) {
-            faults.push(FieldError { pointer, detail: fault.message });
+        // An aperture that isn't known is worked out from other lengths: what is wrong may be one of those.
+        if open && !is_alone || faults.iter().any(|fault| fault.pointer == pointer) {
+            continue;
         }
+        // What is absent, or can't be read, has a value in the description that nobody sent.
+        let list = if sent(members, field) { &mut faults } else { &mut unsent };
+        list.push(FieldError { pointer, detail: fault.message });
     }
-    Err(faults)
+    Err(if faults.is_empty() { unsent } else { faults })
 }
 
 impl From<&Optics> for OpticsBody {
@@ -371,5 +394,49 @@ mod tests {
             ["near_focus_mm"],
             "within the focal length"
         );
+    }
+
+    #[test]
+    fn a_stack_may_span_more_blur_than_a_pair() {
+        let planes_mm: Vec<f64> = (0..16).map(|at| 50.0 - 0.656 * f64::from(at)).collect();
+        let body = json!({
+            "focal_length_mm": 35, "f_number": 8, "planes_mm": planes_mm, "pixel_pitch_um": 10, "telecentric": true,
+        });
+        let Ok(Lens::Stack(optics)) = OpticsBody::read_lens("", body.as_object().unwrap()) else {
+            panic!("16 pictures of 8.2 px a pair are refused");
+        };
+        assert!((optics.whole().largest_blur_px() - 123.0).abs() < 0.1 && optics.pairs().len() == 15);
+    }
+
+    #[test]
+    fn what_follows_from_a_missing_length_is_no_fault_of_its_own() {
+        let open = |members: Value| {
+            let mut body = with(json!({"f_number": null, "aperture": "unknown"}));
+            body.as_object_mut().unwrap().extend(members.as_object().unwrap().clone());
+            body
+        };
+        assert_eq!(pointers(open(json!({"pixel_pitch_um": null}))), ["pixel_pitch_um"]);
+        assert_eq!(pointers(open(json!({"plane_separation_mm": null}))), ["plane_separation_mm"]);
+        let stack = |members: Value| {
+            let mut body = with(json!({"near_focus_mm": null, "plane_separation_mm": null}));
+            body.as_object_mut().unwrap().extend(members.as_object().unwrap().clone());
+            body
+        };
+        let focuses_mm = json!([500, 600, 700]);
+        assert_eq!(
+            pointers(stack(json!({"focuses_mm": focuses_mm, "focal_length_mm": null}))),
+            ["focal_length_mm"]
+        );
+        assert_eq!(
+            pointers(stack(json!({"focuses_mm": focuses_mm, "focal_length_mm": -25}))),
+            ["focal_length_mm"]
+        );
+        assert_eq!(pointers(stack(json!({"planes_mm": []}))), ["planes_mm"]);
+        assert_eq!(pointers(stack(json!({"focuses_mm": []}))), ["focuses_mm"]);
+        let sensor = json!({
+            "f_number": null, "near_focus_mm": null, "plane_separation_mm": null, "f_numbers": [2.8, 8], "plane_mm": 20,
+            "range_end_mm": 540,
+        });
+        assert_eq!(pointers(with(sensor)), ["plane_mm"], "within the focal length");
     }
 }

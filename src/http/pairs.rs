@@ -73,6 +73,11 @@ impl PairPictures {
         Ok(Self([of(first)?, of(second)?]))
     }
 
+    /// The name of the first one's part.
+    pub fn first_name(&self) -> &'static str {
+        self.0[0].0
+    }
+
     /// The pair, decoded: for a computing thread.
     ///
     /// # Errors

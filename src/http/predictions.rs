@@ -66,6 +66,8 @@ pub struct ExpectedBody {
 const DISTANCES: usize = 41;
 /// The blur that measures best, in pixels.
 const BEST_BLUR_PX: f64 = 5.0;
+/// The farthest focus that is advised.
+const MOST_FOCUS_MM: f64 = 1e6;
 
 /// Predict what an optics measures: the expected error by distance, the working range, and what to change for the range
 /// that is wanted.
@@ -154,7 +156,13 @@ fn mended(optics: &Optics, [from, to]: [f64; 2]) -> String {
     let f = spec.focal_length_mm;
     let [near_plane, far_plane] = [from, to].map(|u| f * u / (u - f));
     let separation_mm = near_plane - far_plane;
-    let aperture_mm = BEST_BLUR_PX * spec.pixel_pitch_um / 1000.0 * f / separation_mm;
+    // The image of an aperture pair's range ends this many separations off the sensor: next to the focus too little blur is
+    // left, a fifth of the way lies between both.
+    let reach = match spec.pair {
+        Pair::Focal { .. } => 1.0,
+        Pair::Aperture { .. } => 1.25,
+    };
+    let aperture_mm = BEST_BLUR_PX * spec.pixel_pitch_um / 1000.0 * f / (reach * separation_mm);
     let wide = format!(
         "an aperture of {aperture_mm:.2} mm (f/{:.1}) for a blur of {BEST_BLUR_PX} px",
         f / aperture_mm
@@ -164,15 +172,13 @@ fn mended(optics: &Optics, [from, to]: [f64; 2]) -> String {
             "focus the near picture at {from:.0} mm and the far one at {to:.0} mm (sensors {separation_mm:.3} mm apart), \
              with {wide}."
         ),
-        Pair::Aperture { range_end_mm, .. } => {
-            // Too little blur is left next to the focus: a fifth of the range's image lies between both.
-            let beyond = range_end_mm > optics.far_focus_mm() - 1e-6;
-            let [focused, end_mm] = if beyond {
-                [near_plane + 0.25 * separation_mm, to]
-            } else {
-                [far_plane - 0.25 * separation_mm, from]
-            };
-            let focus_mm = if focused > f { f * focused / (focused - f) } else { f64::INFINITY };
+        Pair::Aperture { .. } => {
+            let focus_mm = |plane: f64| if plane > f { f * plane / (plane - f) } else { f64::INFINITY }; // B(1)
+            let behind_mm = focus_mm(near_plane - reach * separation_mm);
+            // No lens is focused behind a range that ends near infinity.
+            let beyond = optics.picture_names()[0] == "wide" || behind_mm > MOST_FOCUS_MM;
+            let [focus_mm, end_mm] =
+                if beyond { [focus_mm(far_plane + reach * separation_mm), to] } else { [behind_mm, from] };
             format!(
                 "focus at {focus_mm:.0} mm and end the range at {end_mm:.0} mm, the wider of the two with {wide}."
             )

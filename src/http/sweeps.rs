@@ -20,7 +20,7 @@ use crate::access::Caller;
 use crate::compute::Lane;
 use crate::database::{DepthMethodWord, PictureBlob, Rig};
 use crate::jobs::{SweepParams, SweepPlane};
-use landmarkd_core::depth::{MAX_PLANES, Method, Sweep};
+use landmarkd_core::depth::{MAX_PLANES, Method, Optics, Pair, Sweep};
 use landmarkd_core::imaging;
 
 /// One plane of a sweep.
@@ -99,6 +99,14 @@ pub async fn post(
     Ok(queued(service.jobs.sweep(&rig, &params, &caller.actor()).await?))
 }
 
+/// The distance that both pictures of an aperture pair are focused at.
+fn common_focus_mm(optics: &Optics) -> Option<f64> {
+    let spec = optics.spec();
+    let Pair::Aperture { sensor, .. } = spec.pair else { return None };
+    let (f, v) = (spec.focal_length_mm, sensor.plane_mm(spec.focal_length_mm)?);
+    Some(f * v / (v - f)) // B(1)
+}
+
 /// A picture in the blob store.
 struct StoredPicture {
     blob: PictureBlob,
@@ -174,6 +182,8 @@ impl SweepParts {
         let mut faults = Vec::new();
         let mut fault = |pointer, detail| faults.push(FieldError { pointer, detail });
         let mut planes = Vec::new();
+        let optics = &rig.calibration.optics;
+        let (names, focus_mm) = (optics.picture_names(), common_focus_mm(optics));
         for (at, line) in manifest.iter().enumerate() {
             let pictures = line.pictures();
             let mut picture = |member: &str| {
@@ -189,10 +199,18 @@ impl SweepParts {
                 }
                 stored
             };
-            let names = rig.calibration.optics.picture_names();
             let [first, second] = names.map(&mut picture);
             if let Some((first, second)) = first.zip(second) {
                 planes.push((line.depth_mm, first, second));
+            }
+            if let Some(focus_mm) = focus_mm
+                && (line.depth_mm > focus_mm) != (optics.near_focus_mm() > focus_mm)
+            {
+                let detail = format!(
+                    "is not on the side of the focus at {focus_mm:.1} mm that is measured: blur is alike on both, so all \
+                     planes stand on that one"
+                );
+                fault(format!("/manifest/{at}/depth_mm"), detail);
             }
             for (member, _) in pictures.iter().filter(|(name, part)| part.is_some() && !names.contains(name))
             {
@@ -212,7 +230,7 @@ impl SweepParts {
         }
         self.check_sizes(rig)?;
         if let Some((depth_mm, ..)) = planes.iter().find(|(_, near, far)| near.blob == far.blob) {
-            let [first, second] = rig.calibration.optics.picture_names();
+            let [first, second] = names;
             let text =
                 format!("{first} and {second} of the plane at {depth_mm} mm are one picture: send both");
             return Err(Problem::new(Code::IdenticalImages, text));

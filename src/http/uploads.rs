@@ -43,7 +43,7 @@ pub struct Picture {
 }
 
 /// Most memory that one picture of a pair may take in a measurement of depth: 12 megapixels in gray.
-const MAX_DEPTH_BYTES: u64 = 2 << 30;
+pub const MAX_DEPTH_BYTES: u64 = 2 << 30;
 
 impl Picture {
     /// The same, if a depth can be measured in pictures this large.
@@ -201,7 +201,8 @@ impl PendingBytes {
 }
 
 impl Form {
-    /// The form in a request's body, of at most `max_bytes` in all, of which at most `held_bytes` are held at once.
+    /// The form in a request's body, of at most `max_bytes` in all, of which at most `held_bytes` are held at once. One that
+    /// is held whole takes room for the length it declares.
     ///
     /// # Errors
     /// A body that is no form, one that declares more than it may hold, or no room for it now.
@@ -213,7 +214,9 @@ impl Form {
     ) -> Result<Self, Problem> {
         let (parts, body) = request.into_parts();
         let body = body::limited(&parts.headers, body, max_bytes)?;
-        let share = service.bodies.admit(&HeaderMap::new(), held_bytes)?;
+        let undeclared = HeaderMap::new();
+        let headers = if held_bytes >= max_bytes { &parts.headers } else { &undeclared };
+        let share = service.bodies.admit(headers, held_bytes)?;
         let pending_bytes = PendingBytes::default();
         let request = Request::from_parts(parts, pending_bytes.watch(body));
         let multipart = Multipart::from_request(request, service).await.map_err(|rejection| {
@@ -307,7 +310,10 @@ impl KnownParts {
         list: Option<PartList>,
     ) -> Result<Self, Problem> {
         if essence(request.headers()).as_deref() != Some("multipart/form-data") {
-            let files = pictures.iter().map(|name| format!(" -F {name}=@{name}.png")).collect::<String>();
+            // Of the two kinds of pair, which exclude each other, one is an example.
+            let shown = |name: &&&str| !(pictures.contains(&"near") && ["wide", "narrow"].contains(name));
+            let files = pictures.iter().filter(shown).map(|name| format!(" -F {name}=@{name}.png"));
+            let files = files.collect::<String>();
             let text = format!("this call takes a form, multipart/form-data: with curl,{files}");
             return Err(Problem::new(Code::UnsupportedMediaType, text));
         }
@@ -332,7 +338,8 @@ impl KnownParts {
             else {
                 // Read past it, keeping nothing.
                 let _ = part.read(0).await?;
-                let names = [pictures, texts].concat().join(", ");
+                let list = list.map(|list| list.name);
+                let names = [pictures, list.as_slice(), texts].concat().join(", ");
                 let detail = format!("is no part of this form; its parts are {names}");
                 faults.push(FieldError { pointer: format!("/{name}"), detail });
                 if faults.len() >= MAX_PART_FAULTS {

@@ -1,7 +1,9 @@
 //! Rigs of other kinds than two focus settings whose optics are known: two apertures of one focus, an aperture that isn't known,
 //! and focus stacks.
 
+use axum::http::{Method, header};
 use bytes::Bytes;
+use futures_util::future::join_all;
 use landmarkd_core::depth::scene::{
     Camera, Relief, Rendered, Scene, Texture, bench_aperture_pair, bench_optics,
 };
@@ -9,7 +11,7 @@ use landmarkd_core::depth::{Aperture, Optics, OpticsSpec, Pair, Sensor};
 use landmarkd_core::imaging::encode::png_gray8;
 use serde_json::{Value, json};
 
-use crate::app::{Answer, App, form, form_type, pointers};
+use crate::app::{Answer, App, form, form_type, pointers, request, with_bytes};
 
 const RIG: &str = "/v1/calibrations/iris";
 
@@ -78,6 +80,34 @@ async fn two_apertures_measure_under_their_own_names() {
     assert_eq!(pointers(&problem), ["/narrow"]);
     let twice = [("wide", wide.clone()), ("narrow", wide), ("optics", text(&optics()))];
     depth(&app, &twice).await.expect_problem(422, "identical_images");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn depth_maps_of_one_key_hold_the_room_that_they_declare() {
+    let mut app = App::start().await;
+    app.close().await;
+    let seen = iris().photograph(&Scene::new(Relief::Plane { share: 0.6 }, Texture::Gravel, 1));
+    let [wide, narrow] = pictures(&seen);
+    let body = form(&[("wide", wide), ("narrow", narrow), ("optics", text(&optics()))]);
+    let ask = || {
+        let declared = request(Method::POST, "/v1/depth-maps").header(header::CONTENT_LENGTH, body.len());
+        app.send(with_bytes(declared, &form_type(), body.clone()))
+    };
+    for answer in join_all([ask(), ask()]).await {
+        answer.expect(200);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_sweep_stays_on_one_side_of_the_focus() {
+    let app = App::start().await;
+    app.put(RIG, optics()).await.expect(201);
+    let seen = iris().photograph(&Scene::new(Relief::Plane { share: 0.6 }, Texture::Gravel, 1));
+    let [wide, narrow] = pictures(&seen);
+    let line = |depth_mm: f64| json!({"depth_mm": depth_mm, "wide": "w", "narrow": "n"});
+    let manifest = text(&Value::from([490.0, 510.0, 520.0, 530.0, 545.0].map(line).to_vec()));
+    let answer = send(&app, "sweep", &[("w", wide), ("n", narrow), ("manifest", manifest)]).await;
+    assert_eq!(pointers(&answer.expect_problem(422, "invalid_field")), ["/manifest/0/depth_mm"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -246,6 +276,7 @@ async fn a_focus_stack_measures_beyond_its_first_two_settings() {
     for (wrong, at) in [
         (json!({"planes_mm": [37.2, 37.6, 36.8]}), "/optics/planes_mm"),
         (json!({"planes_mm": [37.6, 37.2]}), "/optics/planes_mm"),
+        (json!({"planes_mm": []}), "/optics/planes_mm"),
         (json!({"near_focus_mm": 500}), "/optics/near_focus_mm"),
     ] {
         let mut body = optics.clone();

@@ -16,7 +16,7 @@ use super::{
     Aperture, Calibration, DepthMap, DepthOptions, Estimator, EstimatorError, Fault, FocalPair, Optics,
     OpticsSpec, Pair, PairError, Sensor, Stage, Warning,
 };
-use crate::imaging::Frame;
+use crate::imaging::{Frame, Image};
 use crate::statistics::median;
 
 /// The optics of a stack as described by a user, not validated.
@@ -47,7 +47,9 @@ pub struct StackOptics {
 /// Three and more pictures of one size, the near-focused first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FocusStack {
-    pairs: Vec<FocalPair>,
+    first: FocalPair,
+    /// The others, each with where it reaches full scale.
+    later: Vec<(Image, Vec<bool>)>,
 }
 
 /// Estimates the stacks of one optics.
@@ -67,6 +69,8 @@ const MOST_OUTER_BETA: f32 = 1.1;
 /// Two pairs agree within this many standard deviations, and within what textures differ by in β of the whole.
 const AGREEMENT: f32 = 3.0;
 const AGREEMENT_BETA: f32 = 0.02;
+/// A blur, in pixels, that a pair of pictures may have: the whole stack may have more.
+const USUAL_BLUR_PX: f64 = 100.0;
 /// Of two that don't agree, one whose deviation is this many times the other's doesn't count.
 const NO_RIVAL: f32 = 3.0;
 
@@ -81,6 +85,11 @@ impl StackOptics {
             _ => "focuses_mm",
         };
         let fault = |message: String| vec![Fault { field, message }];
+        if spec.focal_length_mm <= 0.0 {
+            // No sensor has a place by it.
+            let message = format!("must be a positive number, not {}", spec.focal_length_mm);
+            return Err(vec![Fault { field: "focal_length_mm", message }]);
+        }
         if !STACK_PICTURES.contains(&spec.sensors.len()) {
             let (least, most) = (STACK_PICTURES.start(), STACK_PICTURES.end());
             return Err(fault(format!("must be {least} to {most}, not {}", spec.sensors.len())));
@@ -93,12 +102,9 @@ impl StackOptics {
                 "must run from near to far: distances beyond the focal length rise, sensor planes fall";
             return Err(fault(near_first.into()));
         };
-        let between = |near: f64, far: f64, pixel_pitch_um: f64| {
-            let pair = Pair::Focal {
-                aperture: spec.aperture,
-                near_sensor: Sensor::PlaneMm(near),
-                plane_separation_mm: near - far,
-            };
+        let between = |near: f64, far: f64, aperture: Aperture, pixel_pitch_um: f64| {
+            let pair =
+                Pair::Focal { aperture, near_sensor: Sensor::PlaneMm(near), plane_separation_mm: near - far };
             let optics = Optics::new(&OpticsSpec {
                 focal_length_mm: spec.focal_length_mm,
                 pair,
@@ -119,12 +125,15 @@ impl StackOptics {
         let pairs = planes_mm.windows(2).map(|planes| {
             // An ordinary lens images the first picture largest: in its pixels the others' are larger.
             let enlarged = if spec.telecentric { 1.0 } else { planes[0] / first };
-            between(planes[0], planes[1], spec.pixel_pitch_um * enlarged)
+            between(planes[0], planes[1], spec.aperture, spec.pixel_pitch_um * enlarged)
         });
-        Ok(StackOptics {
-            pairs: pairs.collect::<Result<_, _>>()?,
-            whole: between(first, planes_mm[planes_mm.len() - 1], spec.pixel_pitch_um)?,
-        })
+        let pairs: Vec<Optics> = pairs.collect::<Result<_, _>>()?;
+        // No two pictures are blurred by as much as the first and the last would be: that isn't limited.
+        let blur_px: f64 = pairs.iter().map(Optics::largest_blur_px).sum();
+        let narrowed = (blur_px / USUAL_BLUR_PX).max(1.0);
+        let aperture = Aperture::DiameterMm(spec.aperture.diameter_mm(spec.focal_length_mm) / narrowed);
+        let whole = between(first, planes_mm[planes_mm.len() - 1], aperture, spec.pixel_pitch_um)?;
+        Ok(StackOptics { whole: Optics { apertures_mm: pairs[0].apertures_mm, ..whole }, pairs })
     }
 
     /// The first and the last picture as a focal pair: their working range is the stack's.
@@ -143,28 +152,38 @@ impl FocusStack {
     ///
     /// # Errors
     /// The place of the first picture that makes no pair with the one before it, and why.
+    ///
+    /// # Panics
+    /// If there are fewer than two.
     pub fn new(frames: Vec<Frame>, bits: u8) -> Result<FocusStack, (usize, PairError)> {
-        let pairs = frames.windows(2).enumerate().map(|(at, pair)| {
-            FocalPair::new(pair[0].clone(), pair[1].clone(), bits).map_err(|error| (at + 1, error))
-        });
-        Ok(FocusStack { pairs: pairs.collect::<Result<_, _>>()? })
+        let mut frames = frames.into_iter();
+        let [near, far] = [(); 2].map(|()| frames.next().expect("a stack has two pictures and more"));
+        let first = FocalPair::new(near, far, bits).map_err(|error| (1, error))?;
+        let mut later: Vec<(Image, Vec<bool>)> = Vec::new();
+        for (at, frame) in frames.enumerate() {
+            let before = later.last().map_or(&first.far, |(picture, _)| picture);
+            let pair = FocalPair::new(Frame::gray(before.clone()), frame, bits);
+            let FocalPair { far, saturated: [_, marks], .. } = pair.map_err(|error| (at + 2, error))?;
+            later.push((far, marks));
+        }
+        Ok(FocusStack { first, later })
     }
 
     /// How many pictures it has.
     pub fn pictures(&self) -> usize {
-        self.pairs.len() + 1
+        self.later.len() + 2
     }
 
     /// The first two pictures.
     pub fn first_pair(&self) -> &FocalPair {
-        &self.pairs[0]
+        &self.first
     }
 }
 
 /// What one pair measured.
 struct PairMeasurement {
     estimate: Estimate,
-    registered: Registered,
+    shift_px: [f64; 2],
     gain: f64,
 }
 
@@ -184,16 +203,19 @@ impl StackEstimator {
     /// # Panics
     /// If the stack has another number of pictures than the optics.
     pub fn estimate(&self, stack: &FocusStack, finished: &mut dyn FnMut(Stage)) -> DepthMap {
-        assert_eq!(stack.pairs.len(), self.estimators.len(), "a picture for each sensor");
-        let (width, height) = (stack.pairs[0].width(), stack.pairs[0].height());
-        let mut near = stack.pairs[0].near.clone();
+        assert_eq!(stack.pictures(), self.estimators.len() + 1, "a picture for each sensor");
+        let FocusStack { first, later } = stack;
+        let (width, height) = (first.width(), first.height());
+        let mut near = first.near.clone();
         let mut to_near = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        let mut saturated = stack.pairs[0].saturated[0].clone();
+        let mut saturated = first.saturated[0].clone();
         let mut measurements = Vec::new();
         let mut warnings: Vec<Warning> = Vec::new();
-        for ((estimator, pair), optics) in self.estimators.iter().zip(&stack.pairs).zip(&self.optics.pairs) {
+        let second = std::iter::once((&first.far, &first.saturated[1]));
+        let fars = second.chain(later.iter().map(|(far, marks)| (far, marks)));
+        for ((estimator, (far, marks)), optics) in self.estimators.iter().zip(fars).zip(&self.optics.pairs) {
             let to_far = composed(&scaling(optics, width, height), &to_near);
-            let mut registered = estimator.brought(near, &pair.far, to_far);
+            let mut registered = estimator.brought(near, far, to_far);
             let gain = estimator.match_brightness(&mut registered);
             near = registered.far.clone();
             to_near = registered.to_far;
@@ -202,13 +224,13 @@ impl StackEstimator {
                 let [u, v] = applied(&to_near, [(at % width) as f64, (at / width) as f64]);
                 let (x, y) =
                     (u.round().clamp(0.0, (width - 1) as f64), v.round().clamp(0.0, (height - 1) as f64));
-                *mark |= pair.saturated[1][y as usize * width + x as usize];
+                *mark |= marks[y as usize * width + x as usize];
             }
             let new = registered.warnings.iter().filter(|warning| !warnings.contains(warning));
             let new: Vec<Warning> = new.copied().collect();
             warnings.extend(new);
-            let estimate = estimator.measured(&registered, pair.bits);
-            measurements.push(PairMeasurement { estimate, registered, gain });
+            let estimate = estimator.measured(&registered, first.bits);
+            measurements.push(PairMeasurement { estimate, shift_px: registered.shift_px, gain });
         }
         finished(Stage::Estimate);
         let (samples, halvings) = self.joined(&measurements);
@@ -218,17 +240,15 @@ impl StackEstimator {
         let farthest = |of: &dyn Fn(&PairMeasurement) -> f64| {
             measurements.iter().max_by(|a, b| of(a).total_cmp(&of(b))).expect("a stack has pairs")
         };
-        let shift_px = farthest(&|pair| pair.registered.shift_px[0].hypot(pair.registered.shift_px[1]))
-            .registered
-            .shift_px;
+        let shift_px = farthest(&|pair| pair.shift_px[0].hypot(pair.shift_px[1])).shift_px;
         let gain = farthest(&|pair| (pair.gain - 1.0).abs()).gain;
-        let registered =
-            Registered { shift_px, warnings, ..measurements.pop().expect("a stack has pairs").registered };
+        let last = later.last().map_or(&first.far, |(far, _)| far);
+        let registered = Registered { near: near.clone(), far: near, to_far: to_near, shift_px, warnings };
         let marked = FocalPair {
-            near: stack.pairs[0].near.clone(),
-            far: stack.pairs[stack.pairs.len() - 1].far.clone(),
+            near: first.near.clone(),
+            far: last.clone(),
             saturated: [saturated, vec![false; width * height]],
-            bits: stack.pairs[0].bits,
+            bits: first.bits,
         };
         let map = DenseMap {
             pair: &marked,
@@ -315,11 +335,15 @@ impl StackEstimator {
         let outside = |sample: &Sample, beyond: f32| {
             sample.sigma.is_finite() && sample.misfit <= MOST_MISFIT && sample.beta * beyond > MOST_OUTER_BETA
         };
-        let (first, last) = (&said[0], &said[said.len() - 1]);
-        for (sample, beyond) in [(first, 1.0), (last, -1.0)] {
+        let last = said.len() - 1;
+        for (k, beyond) in [(0, 1.0), (last, -1.0)] {
+            let sample = &said[k];
             if outside(sample, beyond) {
+                // Just beyond the range: its error is that of the range's end.
+                let share = self.optics.pairs[k].image_span_mm / self.optics.whole.image_span_mm;
                 return Sample {
-                    beta: 2.0 * MOST_BETA * beyond,
+                    beta: 1.01 * MOST_BETA * beyond,
+                    sigma: sample.sigma * share as f32,
                     scattered: false,
                     ambiguous: false,
                     ..*sample
