@@ -18,7 +18,10 @@ const LAST = "landmarkd-optics";
 const EXAMPLE = {focal_length_mm: 35, f_number: 8, near_focus_mm: 500, plane_separation_mm: 0.4, pixel_pitch_um: 10, telecentric: true};
 const MOST_POINTS = 120000;
 // The pictures of either kind of pair: the names of their parts, and what they are.
-const FOCAL = [["near", "Near-focused", "Drop the picture that is focused near"], ["far", "Far-focused", "Drop the picture that is focused far"]];
+const FOCAL = [
+  ["near", "Near-focused", "Drop the picture that is focused near"],
+  ["far", "Far-focused", "Drop the picture that is focused far"],
+];
 const APERTURE = [["wide", "Wide open", "Drop the picture of the wider aperture"],
   ["narrow", "Stopped down", "Drop the picture of the narrower aperture"]];
 // The first and the second picture, kept while other pages are shown.
@@ -242,7 +245,10 @@ function results(summary, map, optics, files) {
       h("dl", {class: "facts"},
         fact("Working range", `${number(summary.near_focus_mm, 1)} to ${number(summary.far_focus_mm, 1)} mm`),
         fact("Largest blur", `${number(summary.largest_blur_px, 1)} px`),
-        scale && fact("Aperture, measured", `${number(scale.aperture_mm)} mm: ${number(scale.largest_blur_px)} ± ${number(scale.sigma_px)} px`),
+        scale && fact(
+          "Aperture, measured",
+          `${number(scale.aperture_mm)} mm: ${number(scale.largest_blur_px)} ± ${number(scale.sigma_px)} px`,
+        ),
         fact("Noise", summary.noise_sigma === null ? "unknown" : `${number(summary.noise_sigma)} of 255`),
         fact("Shift taken out", `${summary.shift_px.map((px) => number(px)).join(", ")} px`),
         fact("Gain of far", number(summary.gain, 3)),
