@@ -4,13 +4,14 @@
 //! lies about the point, and its expected error is of five parts: noise, what noise doesn't explain of its residual (two
 //! depths in one window leave some), what textures differ by, the scatter of narrower windows' estimates about a plane
 //! ([`super::spread`]: within the window, or beside the point, so that a point near a step is held against its own side),
-//! and how much of what is around the point is plain. The window of the least expected error answers. Within the blur of a
-//! step none does: estimates belong to neither side there.
+//! and how much of what is around the point is plain, unless all of the picture shows one surface. The window of the least
+//! expected error answers. Within the blur of a step none does: estimates belong to neither side there.
 
 use super::dense_map::{MOST_BETA, MOST_MISFIT, MOST_SIGMA};
 use super::estimate::{Sample, Samples};
 use super::spread::Spread;
 use super::windows::{Means, Planes};
+use crate::eigen::Symmetric;
 
 /// What one window measured.
 pub(super) struct WindowSamples {
@@ -41,6 +42,15 @@ const SURROUNDINGS_PX: f64 = 16.0;
 const PLAIN_WEIGHT: f32 = 3.8;
 /// Where noise alone gives the narrowest window's β a larger deviation, a surface is plain.
 const PLAIN_SIGMA: f32 = 0.015;
+/// A picture shows one surface if this part of what is known, which is at least that part of the picture, lies on it: within
+/// three expected errors, or so much of β. On photographed scenes with steps a third to six tenths do.
+const ON_SURFACE_PART: f64 = 0.9;
+const LEAST_KNOWN: f64 = 0.01;
+const ON_SURFACE: f64 = 0.06;
+/// Rounds of fitting it, its terms, and what keeps those small that nothing determines.
+const SURFACE_ROUNDS: usize = 4;
+const TERMS: usize = 6;
+const RIDGE: f64 = 1e-6;
 /// No depth has a larger expected error; β spans 2 over the working range.
 const MOST_BETA_SIGMA: f32 = 2.0 * MOST_SIGMA;
 
@@ -90,8 +100,51 @@ fn least_expected_error(windows: &[WindowSamples], spreads: &[Spread], at: usize
     chosen
 }
 
-/// Enlarges the expected error where much of what is around is plain: a step there would not show.
+/// Whether nearly all that is known lies on one smooth surface, quadratic in the picture: then nothing speaks for steps.
+fn is_one_surface(samples: &Samples) -> bool {
+    let [columns, rows] = [samples.width, samples.height].map(|count| 2.0 / count as f64);
+    let known = || samples.points.iter().enumerate().filter(|(_, sample)| is_known(sample));
+    let terms = |at: usize| {
+        let (x, y) = ((at % samples.width) as f64 * columns - 1.0, (at / samples.width) as f64 * rows - 1.0);
+        [1.0, x, y, x * x, x * y, y * y]
+    };
+    let mut surface = [0.0; TERMS];
+    let off = |surface: &[f64; TERMS], at: usize, sample: &Sample| {
+        let level: f64 = terms(at).iter().zip(surface).map(|(term, factor)| term * factor).sum();
+        (f64::from(sample.beta) - level).abs()
+    };
+    let is_on = |surface: &[f64; TERMS], at: usize, sample: &Sample| {
+        off(surface, at, sample) <= ON_SURFACE.max(3.0 * f64::from(sample.sigma))
+    };
+    for round in 0..SURFACE_ROUNDS {
+        let (mut normal, mut right) = (vec![0.0; TERMS * TERMS], vec![0.0; TERMS]);
+        for (at, sample) in known().filter(|(at, sample)| round == 0 || is_on(&surface, *at, sample)) {
+            let terms = terms(at);
+            for (i, a) in terms.iter().enumerate() {
+                right[i] += a * f64::from(sample.beta);
+                for (j, b) in terms.iter().enumerate() {
+                    normal[i * TERMS + j] += a * b;
+                }
+            }
+        }
+        (0..TERMS).for_each(|i| normal[i * TERMS + i] += RIDGE * samples.points.len() as f64);
+        let Some(normal) = Symmetric::of(&normal, TERMS) else { return false };
+        surface.copy_from_slice(&normal.solve(&right));
+    }
+    let (mut count, mut on) = (0, 0);
+    for (at, sample) in known() {
+        count += 1;
+        on += usize::from(is_on(&surface, at, sample));
+    }
+    count as f64 >= LEAST_KNOWN * samples.points.len() as f64 && on as f64 >= ON_SURFACE_PART * count as f64
+}
+
+/// Enlarges the expected error where much of what is around is plain: a step there would not show. Where all that shows is
+/// one surface nothing speaks for steps.
 fn doubt_surroundings(samples: &mut Samples, narrowest: &WindowSamples) {
+    if is_one_surface(samples) {
+        return;
+    }
     let (width, height, step) = (samples.width, samples.height, samples.step as f64);
     let least_texture = narrowest.noise_variance / (PLAIN_SIGMA * PLAIN_SIGMA);
     let points = samples.points.iter().zip(&narrowest.texture);
@@ -153,5 +206,32 @@ impl WindowSamples {
         let down = texture(x0, (y0 + 1).min(height - 1)) - texture(x0, y0.saturating_sub(1));
         point.off_middle = across.hypot(down) * self.sigma_px as f32 / (2 * step) as f32 / texture(x0, y0);
         Some(point)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples of β with a small wave that no expected error explains, and a depth every third column alone.
+    fn samples(beta: impl Fn(f32, f32) -> f32) -> Samples {
+        let (width, height) = (60, 40);
+        let point = |at: usize| {
+            let (x, y) = ((at % width) as f32 / width as f32, (at / width) as f32 / height as f32);
+            let known = Sample { sigma: 0.01, misfit: 1.0, ..Sample::UNKNOWN };
+            let wave = 0.02 * (at as f32 * 1.7).sin();
+            if at.is_multiple_of(3) { Sample { beta: beta(x, y) + wave, ..known } } else { Sample::UNKNOWN }
+        };
+        Samples { width, height, step: 4, points: (0..width * height).map(point).collect() }
+    }
+
+    #[test]
+    fn slants_and_bowls_are_one_surface_and_steps_are_not() {
+        assert!(is_one_surface(&samples(|x, y| 0.8 * x - 0.5 * y)));
+        assert!(is_one_surface(&samples(|x, y| 0.9 * (x - 0.4).powi(2) + 0.6 * x * y - 0.2)));
+        assert!(!is_one_surface(&samples(|x, _| if x < 0.7 { -0.3 } else { 0.3 })));
+        assert!(!is_one_surface(&samples(|x, y| if (x - 0.5).hypot(y - 0.5) < 0.25 { 0.4 } else { 0.0 })));
+        let nothing = Samples { points: vec![Sample::UNKNOWN; 2400], ..samples(|_, _| 0.0) };
+        assert!(!is_one_surface(&nothing));
     }
 }
