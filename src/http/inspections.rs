@@ -334,7 +334,7 @@ fn pair_faults(parts: &KnownParts, query: &InspectionQuery, has_calibration: boo
     };
     let mut first = None;
     for [a, b] in [["near", "far"], ["wide", "narrow"]] {
-        for [missing, sent] in [[a, b], [b, a]] {
+        for [missing, sent] in [[b, a], [a, b]] {
             first = first.or(parts.holds(sent).then_some(sent));
             if parts.holds(sent) && !parts.holds(missing) {
                 fault(&format!("/{missing}"), &format!("is missing: {a} and {b} come together"));
