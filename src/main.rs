@@ -195,7 +195,9 @@ fn print(figures: &(impl Display + Serialize), json: bool) -> anyhow::Result<()>
 }
 
 fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
-    tokio::runtime::Builder::new_multi_thread().enable_all().build().context("can't start the async runtime")
+    // A training's futures are deep: builds that share less code between them need more than the default of 2 MiB.
+    let mut runtime = tokio::runtime::Builder::new_multi_thread();
+    runtime.enable_all().thread_stack_size(4 << 20).build().context("can't start the async runtime")
 }
 
 /// Resolves at so many Ctrl-Cs or SIGTERMs.
