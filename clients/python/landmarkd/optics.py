@@ -12,9 +12,10 @@ from ._generated.models import OpticsBody
 class Optics:
     """One lens, and what the two pictures differ by.
 
-    Focus: give `aperture_mm` or `f_number`, `near_plane_mm` or `near_focus_mm`, and `plane_separation_mm`. Aperture: give
-    `apertures_mm` or `f_numbers`, `plane_mm` or `focus_mm`, and `range_end_mm`. A stack of three focus settings and more:
-    give `aperture_mm` or `f_number`, and `planes_mm` or `focuses_mm`, the near-focused first.
+    Focus: give `aperture_mm` or `f_number`, `near_plane_mm` or `near_focus_mm`, and `plane_separation_mm`.
+    Aperture: give `apertures_mm` or `f_numbers`, `plane_mm` or `focus_mm`, and `range_end_mm`.
+    A stack of three focus settings and more: give `aperture_mm` or `f_number`, and `planes_mm` or `focuses_mm`, the
+    near-focused first.
     """
 
     focal_length_mm: float
@@ -57,5 +58,7 @@ class Optics:
     def body(self) -> OpticsBody:
         """As the service takes it."""
         given = {name: value for name, value in vars(self).items() if value is not None}
-        members: dict[str, Any] = {name: list(value) if isinstance(value, tuple) else value for name, value in given.items()}
+        members: dict[str, Any] = {
+            name: list(value) if isinstance(value, tuple) else value for name, value in given.items()
+        }
         return OpticsBody.from_dict(members)

@@ -56,9 +56,7 @@ def test_two_apertures_and_stacks_are_measured(client: Client, pair: tuple[np.nd
     depth = client.depth(blunt, sharp, optics=iris, apertures=True)
     assert depth.depth_mm.shape == (160, 160)
     assert depth.near_focus_mm > 500
-    stack = Optics(
-        focal_length_mm=35, f_number=8, focuses_mm=(500, 583, 701), pixel_pitch_um=10, telecentric=True
-    )
+    stack = Optics(focal_length_mm=35, f_number=8, focuses_mm=(500, 583, 701), pixel_pitch_um=10, telecentric=True)
     joined = client.depth_of_stack([*pair, blurred(texture(1), 2.5)], optics=stack)
     assert joined.far_focus_mm == pytest.approx(701)
     with pytest.raises(Problem) as refused:
