@@ -516,6 +516,9 @@ def lay_out_pictures(drawn: Path, folder: Path, port: int):
     copy(drawn / "demo-rooms/asked/000-kitchen.png", "frame.jpg")
     for name in ("near.png", "far.png", "optics.json"):
         copy(drawn / "demo-depth/floor" / name, name)
+    # The demo has one focal pair of each scene: what two apertures and a middle setting are asked with only has their form.
+    for name, picture in (("f2.8.png", "floor/near"), ("f8.png", "floor/far"), ("middle.png", "hollow/near")):
+        copy(drawn / f"demo-depth/{picture}.png", name)
     shutil.copytree(drawn / "demo-turntable/learned", folder / "views")
     shutil.copytree(drawn / "demo-turntable/asked", folder / "more-views")
     copy(drawn / "demo-workcell/table.png", "table.png")
