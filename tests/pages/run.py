@@ -90,7 +90,7 @@ PRINTS = {
         "from landmarkd import Client": r"^kitchen$",
         "curl --data-binary @part.png": r'"decision":\{"label":"truck"',
         "curl -F overview=@table.png $CELL/inspections": r'"decision":\{"label":"mug"',
-        "curl $SERVICE/v1/depth-maps": r'"coverage":0\.[89]',
+        "curl $SERVICE/v1/depth-maps -F near=": r'"coverage":0\.[89]',
     },
     "docs/operating.md": {
         "landmarkd keys create": r"^lmk_[0-9a-f_]+$",
