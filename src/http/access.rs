@@ -100,7 +100,13 @@ pub async fn authorise(
         Ok(Some(caller)) => {
             let principal = caller.key_number().map_or(compute::Principal::Anyone, compute::Principal::Key);
             parts.extensions.insert(caller.clone());
+            let revokes_itself = caller.key_id().is_some_and(|id| {
+                parts.method == Method::DELETE && parts.uri.path() == format!("/v1/keys/{id}")
+            });
             let responding = compute::on_behalf_of(principal, next.run(Request::from_parts(parts, body)));
+            if revokes_itself {
+                return responding.await;
+            }
             tokio::select! {
                 response = responding => response,
                 // A key was revoked while its call ran: what a batch added until then stays.
