@@ -21,6 +21,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("vision", &["imaging", "statistics"]),
     ("eigen", &["random", "column"]),
     ("depth", &["vision", "eigen", "imaging", "statistics"]),
+    ("geometry", &[]),
+    ("localisation", &["geometry", "eigen", "imaging", "statistics", "random", "angle"]),
     ("recognition", &["vision", "eigen", "imaging", "angle", "statistics", "column"]),
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
     ("store", &[]),
@@ -76,6 +78,7 @@ const CORE_DOORS: &[(&str, &[&str])] = &[
     ("memchr", &["vision/segmentation/components.rs", "imaging/decode.rs"]),
     ("rustfft", &["vision/signature.rs", "depth"]),
     ("faer", &["eigen"]),
+    ("glam", &["geometry"]),
     ("kiddo", &["eigen"]),
     ("pulp", &["imaging", "vision", "eigen", "recognition", "depth"]),
 ];
