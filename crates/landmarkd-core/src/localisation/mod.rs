@@ -3,6 +3,7 @@
 mod essential;
 mod least_squares;
 pub mod place;
+pub mod scene;
 pub mod two_view;
 
 pub use place::{PlaceMethod, PlacePose, PlaceView, locate};
