@@ -82,18 +82,23 @@ pub fn refined<P: Clone, const N: usize>(
     if !(*least > LEAST_INFORMATION * most && *most > 0.0) {
         return None;
     }
-    // Of an M-estimator E[ψ²]/E[ψ′]² (JᵀJ)⁻¹ (Huber 1981, 6.3), with JᵀWJ in the place of JᵀJ.
-    let (mut squares, mut slopes, mut count) = (0.0, 0.0, 0.0);
-    for r in &here {
+    // Of an M-estimator K² E[ψ²]/E[ψ′]² (JᵀJ)⁻¹, K = 1 + N/n · var ψ′/E[ψ′]² (Huber 1981, 7.6), with JᵀWJ in the place of JᵀJ.
+    let (mut squares, mut slope, mut slope_squares, mut count, mut parts) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for r in here.iter().filter(|r| r.value.abs() < 2.0 * width) {
         let (part, off) = (robust(r.value, width), (r.value / width).powi(2));
+        let own_slope = part * (1.0 - 4.0 * off / (1.0 + off));
         squares += r.weight * (part * r.value).powi(2);
-        slopes += r.weight * part * (1.0 - 4.0 * off / (1.0 + off));
-        count += r.weight * part;
+        slope += r.weight * own_slope;
+        slope_squares += r.weight * own_slope.powi(2);
+        parts += r.weight * part;
+        count += r.weight;
     }
-    if slopes <= 0.0 || count <= N as f64 {
+    let n = N as f64;
+    if slope <= 0.0 || count <= n {
         return None;
     }
-    let variance = squares * count / slopes.powi(2) * count / (count - N as f64);
+    let correction = 1.0 + n * (slope_squares / slope.powi(2) - count.recip());
+    let variance = correction.powi(2) * squares * parts / slope.powi(2) * count / (count - n);
     let mut covariance = [[0.0; N]; N];
     for (value, vector) in eigen.values.iter().zip(&eigen.vectors) {
         for (row, a) in covariance.iter_mut().zip(vector) {
