@@ -92,6 +92,8 @@ class Robot:
         self.patience_s = patience_s
         self.unanswered = 0
         """Frames that nobody answered, or that were no pictures."""
+        self.missed: Problem | Unreachable | None = None
+        """Why the service didn't answer the last frame that it was asked about; `None` if it did."""
         self._backoff = backoff or Backoff()
         self._local_backoff = Backoff()
         self._away_since: float | None = None
@@ -171,6 +173,7 @@ class Robot:
             if problem.code not in BAD_PICTURES:
                 raise
             log.warning("frame %s: %s", frame.id, problem)
+            self.missed = problem
             self._unreadable = frame
         return None
 
@@ -180,12 +183,13 @@ class Robot:
         try:
             sighting = self._on_track(frame, began) if self.tracked else self._single(frame, began)
         except Unreachable as error:
-            self._missed(str(error), self._backoff.failed())
+            self._missed(error, self._backoff.failed())
         except Problem as problem:
             if problem.status < 500 and problem.status not in PASSING:
                 raise
-            self._missed(str(problem), self._backoff.failed(problem.retry_after))
+            self._missed(problem, self._backoff.failed(problem.retry_after))
         else:
+            self.missed = None
             if self._away_since is not None:
                 log.info("%s is back after %.1f s", self.client.url, time.monotonic() - self._away_since)
                 self._away_since = None
@@ -195,8 +199,9 @@ class Robot:
             return sighting
         return None
 
-    def _missed(self, why: str, wait_s: float) -> None:
+    def _missed(self, why: Problem | Unreachable, wait_s: float) -> None:
         """Note that the service didn't answer."""
+        self.missed = why
         if self._away_since is None:
             self._away_since = time.monotonic()
         log.info("%s; asked again in %.1f s", why, wait_s)
@@ -214,7 +219,13 @@ class Robot:
                     self.tracked = False
                     return self._single(frame, began)
             try:
-                answer = self._track.frame(frame.picture, frame_id=frame.id, stamp=frame.stamp)
+                answer = self._track.frame(
+                    frame.picture,
+                    camera=frame.camera,
+                    odometry=frame.odometry,
+                    frame_id=frame.id,
+                    stamp=frame.stamp,
+                )
             except Problem as problem:
                 # It ended, or the process that had it: another one, which begins anew.
                 if problem.code != "unknown_track":
@@ -241,7 +252,9 @@ class Robot:
 
     def _single(self, frame: Frame, began: float) -> Sighting:
         """The robot's own belief, by an answer of the service."""
-        answer = self.client.recognise(self.database, frame.picture, frame_id=frame.id, stamp=frame.stamp)
+        answer = self.client.recognise(
+            self.database, frame.picture, camera=frame.camera, frame_id=frame.id, stamp=frame.stamp
+        )
         return self._own(frame, answer, self._believe(self.client, answer), "single", began)
 
     def _own(self, frame: Frame, answer: Recognition, belief: Belief, source: Source, began: float) -> Sighting:
@@ -288,7 +301,14 @@ class Robot:
             local = self.stand_in.start(self.kept)
             if started:
                 log.info("%s answers from the kept version in its place", local.url)
-            answer = local.recognise(self.database, frame.picture, frame_id=frame.id, stamp=frame.stamp)
+            answer = local.recognise(
+                self.database,
+                frame.picture,
+                # It doesn't keep the cameras that the real one has by name.
+                camera=None if isinstance(frame.camera, str) else frame.camera,
+                frame_id=frame.id,
+                stamp=frame.stamp,
+            )
             belief = self._believe(local, answer)
         except Problem as problem:
             if problem.code in BAD_PICTURES:
