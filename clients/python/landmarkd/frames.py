@@ -83,7 +83,7 @@ def watched(folder: Path, stop: threading.Event, poll_s: float = 0.05) -> Iterat
         yield Frame(newest.name, picture, stamp(time_ns / 1e9))
 
 
-def camera(number: int, stop: threading.Event) -> Iterator[Frame]:
+def captured(number: int, stop: threading.Event) -> Iterator[Frame]:
     """What a camera of this machine sees; needs OpenCV (`pip install 'landmarkd[camera]'`)."""
     import cv2
 

@@ -34,9 +34,11 @@ from typing import Literal
 
 from .backoff import Backoff
 from .belief import Belief, Rates
+from .camera import Camera
 from .client import Client
-from .frames import Frame, Newest, camera, played, watched
+from .frames import Frame, Newest, captured, played, watched
 from .kept_version import KeptVersion
+from .pose import PlacePose
 from .problem import Problem, Unreachable
 from .recognition import Recognition
 from .sighting import Sighting, Source
@@ -61,6 +63,7 @@ class Robot:
         database: which places.
         tracked: whether frames go to a track; otherwise each is asked about alone.
         motion: how the track takes the robot to move.
+        camera: what frames are taken with that don't say so themselves, or the name of a kept camera: for poses.
         kept: where the version in use is kept; `None` keeps none.
         stand_in: the local service; `None` if there is none.
         refresh_s: how often the version in use is checked, in seconds.
@@ -76,6 +79,7 @@ class Robot:
         *,
         tracked: bool = True,
         motion: Motion = "auto",
+        camera: Camera | str | None = None,
         kept: KeptVersion | None = None,
         stand_in: StandIn | None = None,
         refresh_s: float = 60.0,
@@ -86,6 +90,7 @@ class Robot:
         self.database = database
         self.tracked = tracked
         self.motion: Motion = motion
+        self.camera = camera
         self.kept = kept
         self.stand_in = stand_in
         self.refresh_s = refresh_s
@@ -221,7 +226,7 @@ class Robot:
             try:
                 answer = self._track.frame(
                     frame.picture,
-                    camera=frame.camera,
+                    camera=frame.camera or self.camera,
                     odometry=frame.odometry,
                     frame_id=frame.id,
                     stamp=frame.stamp,
@@ -247,13 +252,14 @@ class Robot:
                 warnings=answer.warnings,
                 asked_ms=1000 * (time.monotonic() - began),
                 answer=answer,
+                pose=place(answer),
             )
         raise Unreachable(f"{self.client.url} forgets tracks at once: are robots sent to one process each?")
 
     def _single(self, frame: Frame, began: float) -> Sighting:
         """The robot's own belief, by an answer of the service."""
         answer = self.client.recognise(
-            self.database, frame.picture, camera=frame.camera, frame_id=frame.id, stamp=frame.stamp
+            self.database, frame.picture, camera=frame.camera or self.camera, frame_id=frame.id, stamp=frame.stamp
         )
         return self._own(frame, answer, self._believe(self.client, answer), "single", began)
 
@@ -273,6 +279,7 @@ class Robot:
             warnings=answer.warnings,
             asked_ms=1000 * (time.monotonic() - began),
             answer=answer,
+            pose=place(answer),
         )
 
     def _believe(self, client: Client, answer: Recognition) -> Belief:
@@ -305,7 +312,7 @@ class Robot:
                 self.database,
                 frame.picture,
                 # It doesn't keep the cameras that the real one has by name.
-                camera=None if isinstance(frame.camera, str) else frame.camera,
+                camera=camera if isinstance(camera := frame.camera or self.camera, Camera) else None,
                 frame_id=frame.id,
                 stamp=frame.stamp,
             )
@@ -342,6 +349,11 @@ class Robot:
         self._keeper.start()
 
 
+def place(answer: Recognition) -> PlacePose | None:
+    """The pose of an answer, if it is one in a map."""
+    return answer.pose if isinstance(answer.pose, PlacePose) else None
+
+
 def counted(sighting: Sighting, dropped: int) -> Sighting:
     """The sighting with the number of frames that were dropped until then."""
     return replace(sighting, dropped=dropped)
@@ -368,6 +380,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--motion", choices=("auto", "path", "still"), default="auto", help="of the track (%(default)s)"
     )
+    parser.add_argument("--camera-name", metavar="NAME", help="what took them: a camera that the service keeps")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the version in use here")
     parser.add_argument(
         "--local-binary", type=Path, metavar="FILE", help="landmarkd, to answer while the service is away"
@@ -401,7 +414,7 @@ def main(words: list[str] | None = None) -> int:
         if args.frames
         else watched(args.watch, stop)
         if args.watch
-        else camera(args.camera, stop)
+        else captured(args.camera, stop)
     )
     kept = KeptVersion(args.keep / "version") if args.keep else None
     robot = Robot(
@@ -409,6 +422,7 @@ def main(words: list[str] | None = None) -> int:
         args.database,
         tracked=not args.single,
         motion=args.motion,
+        camera=args.camera_name,
         kept=kept,
         stand_in=StandIn(args.local_binary, args.keep / "data") if args.local_binary else None,
         refresh_s=args.refresh_s,

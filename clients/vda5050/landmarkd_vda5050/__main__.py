@@ -29,7 +29,7 @@ TICK_S = 0.5
 def follow(client: Client, database: str | None, vehicles: Mapping[str, Vehicle]) -> None:
     """Take in every decision about these robots, until the service refuses to tell."""
     for event in client.events(database=database, kinds=("decision",)):
-        vehicle = vehicles.get(str(event.data.get("robot_id")))
+        vehicle = vehicles.get(str(event.data["header"].get("robot_id")))
         if vehicle is not None:
             vehicle.learn(Known.of(event.data))
 

@@ -16,14 +16,14 @@ from landmarkd_vda5050.state import Known
 HERE = Planar(0, 0, 0)
 
 
-def decision(**more: Any) -> dict[str, Any]:
+def decision(robot_id: str = "r7", **more: Any) -> dict[str, Any]:
     pose = {
         "map": "hall", "x_m": 1.0, "y_m": 2.0, "yaw_deg": 270.0, "method": "filter", "support": [],
         "covariance": [0.04, 0, 0, 0, 0.01, 0, 0, 0, 0.0001],
     }  # fmt: skip
     return {
-        "at": "2026-01-01T00:00:00Z", "database": "hall", "version": 3, "robot_id": "r7", "frame_id": "1",
-        "stamp": "1.0",
+        "at": "2026-01-01T00:00:00Z", "database": "hall", "version": 3,
+        "header": {"robot_id": robot_id, "frame_id": "1", "stamp": "1.0"},
         "decision": {"label": "dock", "confidence": 0.97}, "pose": pose,
     } | more  # fmt: skip
 

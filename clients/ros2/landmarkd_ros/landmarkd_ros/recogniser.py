@@ -17,7 +17,7 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from vision_msgs.msg import Classification, Detection2DArray
 
-from landmarkd import Camera, Client, Odometry, PlacePose, Problem, Unreachable
+from landmarkd import Camera, Client, Odometry, Problem, Unreachable
 from landmarkd.backoff import Backoff
 from landmarkd.frames import Frame, Newest
 from landmarkd.planar import Planar
@@ -186,9 +186,8 @@ class Recogniser:
         self._places.publish(messages.belief(sighting, header))
         self._decisions.publish(messages.classification(sighting.decision, header))
         self._detections.publish(messages.detections(answer, header, *size))
-        pose = answer.pose if isinstance(answer.pose, PlacePose) else None
-        self.health.lost = pose is not None and pose.lost
-        self.localisation.publish(pose, header)
+        self.health.lost = sighting.pose is not None and sighting.pose.lost
+        self.localisation.publish(sighting.pose, header)
         self.health.answer(sighting)
 
     def begin(self) -> None:
