@@ -23,7 +23,7 @@ use super::paths::DatabasePath;
 use super::problem::{Code, Problem, ProblemBody};
 use super::stages::{StageClock, ms};
 use super::uploads::{Form, OnePicture, Picture, RobotHeader};
-use super::{Service, accept};
+use super::{Service, accept, events};
 use crate::compute::Lane;
 use crate::database::{Databases, FrameHeader, Kind, LoadedVersion, Model, Name};
 use crate::telemetry::Work;
@@ -404,7 +404,11 @@ pub async fn post(
             }
             response
         }
-        None => Json(render(&version, header, recognised)).into_response(),
+        None => {
+            let body = render(&version, header, recognised);
+            events::decided(&service, &body, None);
+            Json(body).into_response()
+        }
     };
     Ok(accept::vary(response))
 }
@@ -444,7 +448,9 @@ pub async fn post_batch(
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
             let (recognised, ()) = recognise(service, version, picture, wanted, |_, _| ()).await?;
-            Ok(render(version, header, recognised))
+            let body = render(version, header, recognised);
+            events::decided(service, &body, None);
+            Ok(body)
         });
         if running.len() >= most_running
             && let Some(done) = running.next().await
