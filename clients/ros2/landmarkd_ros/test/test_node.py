@@ -8,6 +8,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -15,8 +16,9 @@ import numpy as np
 import pytest
 import ros
 from drawing import blurred, moved, room, texture
+from fixtures import teach_rooms
 from PIL import Image
-from service import Service
+from service import BINARY, Service
 from stub import Answer, Stub, began, recognition, refusal, tracked, version
 
 from landmarkd import Client
@@ -351,7 +353,7 @@ def test_it_goes_on_after_503_and_an_expired_track(start: Start) -> None:
     assert values(node)["level"] == b"\0"
 
 
-def test_it_goes_on_after_a_restart(start: Start, folder: Any) -> None:
+def test_it_goes_on_after_a_restart(start: Start, folder: Path) -> None:
     first = Service(folder)
     with Client(first.url) as client:
         client.create("home")
@@ -370,6 +372,19 @@ def test_it_goes_on_after_a_restart(start: Start, folder: Any) -> None:
         assert published(node, "decision")[-1].results[0].class_id == "kitchen"
     finally:
         second.stop()
+
+
+def test_a_local_service_answers_while_the_real_one_is_away(start: Start, folder: Path, tmp_path: Path) -> None:
+    fleet = Service(folder)
+    with Client(fleet.url) as client:
+        teach_rooms(client, "home")
+    node = start(fleet.url, keep=str(tmp_path), local_binary=BINARY)
+    see(node, taken(room(0), 1))
+    waited(lambda: list(tmp_path.rglob("*.safetensors")), node)
+    fleet.kill()
+    give_until_answered(node)
+    assert values(node) | {"source": "local", "reachable": "False", "level": b"\1"} == values(node)
+    assert published(node, "decision")[-1].results[0].class_id == "kitchen"
 
 
 # Teaching and diagnostics
