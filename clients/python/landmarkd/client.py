@@ -14,6 +14,7 @@ from dataclasses import asdict
 from functools import partial
 from types import TracebackType
 from typing import Any, Literal, TypeVar
+from urllib.parse import urlsplit
 from uuid import UUID
 
 import httpx
@@ -105,6 +106,7 @@ class Client:
         self.url = url.rstrip("/")
         self.robot_id = robot_id
         self.timeout_s = timeout_s
+        self._far = urlsplit(self.url).hostname not in ("127.0.0.1", "::1", "localhost")
         key = os.environ.get("LANDMARKD_KEY") if key is None else key
         self._http = httpx.Client(
             base_url=self.url,
@@ -187,7 +189,8 @@ class Client:
             **(pose.body() if pose else {}),
         }
         path = f"/v1/databases/{database}/exemplars"
-        return self._picture(ExemplarBody.from_dict, path, picture, query, camera, frame_id, stamp)
+        # The service keeps it as it comes.
+        return self._picture(ExemplarBody.from_dict, path, picture, query, camera, frame_id, stamp, small=True)
 
     def train(
         self,
@@ -452,9 +455,9 @@ class Client:
         """
         form = DepthForm(calibration=wanted(calibration))
         if apertures:
-            form.wide, form.narrow = upload(near), upload(far)
+            form.wide, form.narrow = self._upload(near), self._upload(far)
         else:
-            form.near, form.far = upload(near), upload(far)
+            form.near, form.far = self._upload(near), self._upload(far)
         if optics is not None:
             form.optics = optics.body()
         return self._depth(form.to_multipart(), options, frame_id, stamp)
@@ -473,7 +476,7 @@ class Client:
         `optics` has `focuses_mm` or `planes_mm`, one for each picture.
         """
         parts = DepthForm(optics=optics.body()).to_multipart()
-        parts.extend(("stack", upload(picture).to_tuple()) for picture in pictures)
+        parts.extend(("stack", self._upload(picture).to_tuple()) for picture in pictures)
         return self._depth(parts, options, frame_id, stamp)
 
     def _depth(
@@ -529,11 +532,11 @@ class Client:
 
         A focal pair (`near`, `far`) shows one part, that of `region`, or with `pair_view="overview"` the whole table.
         """
-        form = InspectionForm(overview=upload(overview))
+        form = InspectionForm(overview=self._upload(overview))
         if near is not None:
-            form.near = upload(near)
+            form.near = self._upload(near)
         if far is not None:
-            form.far = upload(far)
+            form.far = self._upload(far)
         return self._typed(
             InspectionBody,
             lambda: inspect.sync(
@@ -550,6 +553,11 @@ class Client:
 
     # How calls are made
 
+    def _upload(self, picture: Picture) -> File:
+        """A picture as a part of a form."""
+        content = encoded(picture, self._far)
+        return File(io.BytesIO(content), "picture", media_type(content))
+
     def _header(self, frame_id: str | None, stamp: str | None) -> dict[str, Any]:
         """The headers that go with a picture."""
         return {"x_robot_id": wanted(self.robot_id), "x_frame_id": wanted(frame_id), "x_stamp": wanted(stamp)}
@@ -563,9 +571,10 @@ class Client:
         camera: Camera | str | None,
         frame_id: str | None,
         stamp: str | None,
+        small: bool = False,
     ) -> T:
         """The answer to a picture, which is sent as it is, or in a form beside its camera."""
-        content = encoded(picture)
+        content = encoded(picture, small or self._far)
         asked = {name: value for name, value in query.items() if value is not None}
         robot = {"X-Robot-Id": self.robot_id, "X-Frame-Id": frame_id, "X-Stamp": stamp}
         headers = {name: value for name, value in robot.items() if value is not None}
@@ -607,12 +616,6 @@ def unexpected(answer: object) -> Problem:
     """The problem for an answer that the document doesn't have, or for what is wrong with it."""
     what = repr(answer) if isinstance(answer, Exception) else type(answer).__name__
     return Problem(200, "", title="unexpected answer", detail=f"the service answered {what}")
-
-
-def upload(picture: Picture) -> File:
-    """A picture as a part of a form."""
-    content = encoded(picture)
-    return File(io.BytesIO(content), "picture", media_type(content))
 
 
 def json_part(name: str, value: Mapping[str, Any]) -> tuple[str, Any]:
