@@ -97,6 +97,11 @@ impl Localisation {
         Self { support: fix.support.clone(), elsewhere: false, ..self }
     }
 
+    /// Memory held, about.
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + PoseFilter::BYTES
+    }
+
     /// Where the robot is by all frames.
     pub fn pose(&self) -> Option<PlacePoseBody> {
         let Estimate { pose, lost } = self.filter.estimate()?;
@@ -156,7 +161,7 @@ impl Track {
     fn bytes(&self) -> u64 {
         let name = |name: &ExemplarName| size_of::<ExemplarName>() + name.id.len() + name.label.len();
         let exemplars: usize = self.exemplars.iter().map(name).sum();
-        let particles = self.localisation.as_ref().map_or(0, |localisation| localisation.filter.bytes());
+        let particles = self.localisation.as_ref().map_or(0, |localisation| localisation.bytes());
         (size_of::<Self>() + self.belief.bytes() + exemplars + particles) as u64
     }
 }
