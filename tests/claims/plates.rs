@@ -3,9 +3,8 @@
 
 use landmarkd_core::geometry::{Camera, DMat3, DQuat, DVec3, MapPose, RigidTransform};
 use landmarkd_core::imaging::{Frame, Random};
-use landmarkd_core::localisation::edge_alignment::located;
-use landmarkd_core::localisation::planar_pose::{PlanarPose, PlanarPoses};
 use landmarkd_core::localisation::scene::{Exposure, Room, Scene, poster};
+use landmarkd_core::localisation::{PlanarPose, PlanarPoses, located};
 use landmarkd_core::recognition::landmarks::{ExemplarName, LandmarkOptions, Landmarks, describe};
 use landmarkd_core::statistics::quantile;
 

@@ -108,6 +108,9 @@ struct Particle {
 }
 
 impl PoseFilter {
+    /// Memory that its particles take.
+    pub const BYTES: usize = PARTICLES * size_of::<Particle>();
+
     /// A robot that may be anywhere, until the first fix.
     pub fn new(seed: u64) -> PoseFilter {
         PoseFilter {
