@@ -20,7 +20,7 @@ use super::extract::Query;
 use super::jobs::JobBody;
 use super::keys::unconfined;
 use super::problem::{Code, Problem};
-use super::recognitions::{DecisionBody, RecognitionBody};
+use super::recognitions::{DecisionBody, PlacePoseBody, RecognitionBody};
 use crate::access::Caller;
 use crate::database::registry::ServedState;
 use crate::database::{FrameHeader, JobEventRow};
@@ -67,6 +67,9 @@ pub struct DecisionEvent<'a> {
     pub track: Option<Uuid>,
     /// Of the track, if there is one, else of the frame.
     pub decision: Option<&'a DecisionBody>,
+    /// Where the camera is, if that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose: Option<&'a PlacePoseBody>,
 }
 
 /// A database that answers with another version, or with none.
@@ -93,6 +96,7 @@ pub fn decided(service: &Service, recognition: &RecognitionBody, track: Option<U
         header: &recognition.header,
         track,
         decision: recognition.decision.as_ref(),
+        pose: recognition.evidence.pose(),
     };
     service.events.publish(Event {
         kind: EventKind::Decision,

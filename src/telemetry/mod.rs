@@ -106,6 +106,7 @@ impl Work {
                 "fetch",
                 "search",
                 "vote",
+                "locate",
                 "appearance",
                 "universal",
                 "object",
