@@ -55,7 +55,8 @@ fn frames_between_exemplars_a_metre_apart_are_located_to_centimetres() {
         })
         .collect();
     let exposure = |seed| Exposure { noise: 2.0, seed, ..Exposure::default() };
-    let model = trained((0..).zip(&poses).map(|(seed, pose)| scene.photograph(&CAMERA, pose, &exposure(seed))));
+    let model =
+        trained((0..).zip(&poses).map(|(seed, pose)| scene.photograph(&CAMERA, pose, &exposure(seed))));
     let (mut off_m, mut off_deg, mut normalised) = (Vec::new(), Vec::new(), Vec::new());
     for number in 0..FRAMES {
         let left = if random.uniform() < 0.5 { 0.0 } else { 5.0 };
@@ -160,7 +161,8 @@ fn pictures_of_a_room_far_apart_tell_how_the_camera_moved_or_nothing() {
         };
         let row = |row: usize| DVec3::from_slice(&pair.asked_taught[row]);
         let rotation = DMat3::from_cols(row(0), row(1), row(2)).transpose();
-        let translation = DVec3::new(pair.asked_taught[0][3], pair.asked_taught[1][3], pair.asked_taught[2][3]);
+        let translation =
+            DVec3::new(pair.asked_taught[0][3], pair.asked_taught[1][3], pair.asked_taught[2][3]);
         let errors = [
             found.rotation.angle_between(DQuat::from_mat3(&rotation)).to_degrees(),
             direction.angle_between(translation).to_degrees(),

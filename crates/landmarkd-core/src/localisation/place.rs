@@ -73,6 +73,9 @@ const LEAST_GAIN: f64 = 25.0;
 /// … or where it may be off by more than this.
 const MOST_SIGMA_M: f64 = 2.0;
 const MOST_SIGMA_RAD: f64 = 0.26;
+/// What calibrations leave, and windows that see other surfaces from elsewhere.
+const MODEL_SIGMA_M: f64 = 0.003;
+const MODEL_SIGMA_RAD: f64 = 5e-4;
 /// A view supports a pose with at least so many spots.
 const LEAST_SPOTS: f64 = 5.0;
 /// How likely an accident puts a point that several exemplars see where the frame sees it: to within some pixels, of all.
@@ -93,7 +96,9 @@ pub fn locate(views: &[PlaceView<'_>], camera: Option<&Camera>) -> Option<PlaceP
     let by_points = camera.and_then(|camera| {
         let calibrated = order.iter().copied().filter(|&i| views[i].camera.is_some());
         let seen: Vec<usize> = calibrated.take(MOST_VIEWS).collect();
-        triangulated(views, &seen, camera).or_else(|| seen.iter().find_map(|&i| bearing(views, i, camera)))
+        triangulated(views, &seen, camera)
+            .map(with_model_error)
+            .or_else(|| seen.iter().find_map(|&i| bearing(views, i, camera)))
     });
     by_points.or_else(|| mean(views, &order))
 }
@@ -379,7 +384,15 @@ fn add_outer(covariance: &mut [[f64; 3]; 3], off: [f64; 3], weight: f64) {
     }
 }
 
-/// By all points of several views.
+/// Adds to what points may be off by what no number of them makes less.
+fn with_model_error(mut pose: PlacePose) -> PlacePose {
+    for (axis, sigma) in [MODEL_SIGMA_M, MODEL_SIGMA_M, MODEL_SIGMA_RAD].into_iter().enumerate() {
+        pose.covariance[axis][axis] += sigma * sigma;
+    }
+    pose
+}
+
+/// By all points of several views, as if only their positions were uncertain.
 fn triangulated(views: &[PlaceView<'_>], seen: &[usize], camera: &Camera) -> Option<PlacePose> {
     if seen.len() < 2 {
         return None;
@@ -602,13 +615,13 @@ mod tests {
         let (mut sum, mut answered) = (0.0, 0);
         for seed in 0..trials {
             let trial = trial(seed, exemplars, sigma_m, wrong);
-            let Some(found) = locate(&views(&trial, sigma_m, Some(CAMERA)), Some(&CAMERA)) else { continue };
-            if found.method == PlaceMethod::Triangulation {
-                let (off, normalised) = error(&found, &trial.truth);
-                assert!(off[0].hypot(off[1]) < 0.15 + 5.0 * sigma_m, "{seed}: {off:?}");
-                sum += normalised;
-                answered += 1;
-            }
+            let views = views(&trial, sigma_m, Some(CAMERA));
+            let seen: Vec<usize> = (0..exemplars).collect();
+            let Some(found) = triangulated(&views, &seen, &CAMERA) else { continue };
+            let (off, normalised) = error(&found, &trial.truth);
+            assert!(off[0].hypot(off[1]) < 0.15 + 5.0 * sigma_m, "{seed}: {off:?}");
+            sum += normalised;
+            answered += 1;
         }
         (sum / answered as f64, answered)
     }
@@ -619,7 +632,10 @@ mod tests {
             let (mean, answered) = mean_error(500, 3, 0.0, wrong);
             println!("normalised squared error {mean:.2} of {answered}, {wrong} of 5 pairs wrong");
             assert!(answered >= 490, "{answered}");
-            assert!((2.5..3.6).contains(&mean), "{wrong}: {mean}");
+            // the 95 % band of the mean of 500 χ² of three degrees of freedom: 3 ± 1.96·√(6/500); wrong pairs that agree by
+            // accident cost a little more
+            let most = if wrong == 0 { 3.21 } else { 3.4 };
+            assert!((2.79..most).contains(&mean), "{wrong}: {mean}");
         }
     }
 
