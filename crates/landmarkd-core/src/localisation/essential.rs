@@ -172,20 +172,22 @@ fn null_space(pairs: &[(DVec2, DVec2); LEAST_PAIRS]) -> Option<[[f64; 9]; 4]> {
 
 /// det E = 0 and E Eᵀ E − ½ tr(E Eᵀ) E = 0, as cubics (Nistér 2004, (2) and (3)).
 fn constraints(e: &[[Linear; 3]; 3]) -> [Cubic; 10] {
-    let mut squares = [[[0.0; 10]; 3]; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            (0..3).for_each(|k| add_product(&e[i][k], &e[j][k], 1.0, &mut squares[i][j]));
-        }
-    }
+    let mut squares: [[Quadratic; 3]; 3] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let mut sum = [0.0; 10];
+            e[i].iter().zip(&e[j]).for_each(|(a, b)| add_product(a, b, 1.0, &mut sum));
+            sum
+        })
+    });
     let half_trace: Quadratic =
         std::array::from_fn(|at| 0.5 * (0..3).map(|i| squares[i][i][at]).sum::<f64>());
-    (0..3).for_each(|i| squares[i][i].iter_mut().zip(half_trace).for_each(|(v, h)| *v -= h));
+    for (i, row) in squares.iter_mut().enumerate() {
+        row[i].iter_mut().zip(half_trace).for_each(|(v, half)| *v -= half);
+    }
     let mut out = [[0.0; 20]; 10];
-    for i in 0..3 {
-        for j in 0..3 {
-            (0..3).for_each(|k| add_cubic(&squares[i][k], &e[k][j], &mut out[3 * i + j]));
-        }
+    for (number, sum) in out[..9].iter_mut().enumerate() {
+        let (i, j) = (number / 3, number % 3);
+        squares[i].iter().zip(e).for_each(|(square, row)| add_cubic(square, &row[j], sum));
     }
     for i in 0..3 {
         let mut minor = [0.0; 10];

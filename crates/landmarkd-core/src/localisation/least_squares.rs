@@ -134,9 +134,9 @@ fn normal_equations<P, const N: usize>(
         if weight == 0.0 || aside.iter().any(|aside| aside[number].weight == 0.0) {
             continue;
         }
-        for i in 0..N {
-            gradient[i] += weight * slope[i] * r.value;
-            (0..N).for_each(|j| information[i][j] += weight * slope[i] * slope[j]);
+        for ((row, sum), own) in information.iter_mut().zip(&mut gradient).zip(slope) {
+            *sum += weight * own * r.value;
+            row.iter_mut().zip(slope).for_each(|(sum, other)| *sum += weight * own * other);
         }
     }
     (information, gradient)
