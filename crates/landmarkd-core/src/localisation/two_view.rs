@@ -52,7 +52,7 @@ pub struct TwoView {
     /// `R_to_from`: takes directions of the first view's optical frame to the second one's.
     pub rotation: DQuat,
     /// Where the first camera lies in the second one's optical frame: direction, of unit length. None where no baseline is
-    /// seen, or its direction isn't determined.
+    /// seen.
     pub direction: Option<DVec3>,
     /// Expected error of the rotation, about all axes together, with what other hypotheses say.
     pub rotation_sigma_rad: f64,
@@ -223,14 +223,15 @@ pub fn relative_pose(pairs: &[PointPair], from: &Camera, to: &Camera) -> Option<
     let variance = |range: Range<usize>| range.map(|i| best.covariance[i][i]).sum::<f64>();
     let rotation_sigma_rad = (variance(0..3) + spread(Motion::turn_to_rad)).sqrt();
     let direction_sigma_rad = (variance(3..5) + spread(Motion::turn_of_direction_rad)).sqrt();
-    let has_direction = direction_sigma_rad < MOST_SIGMA_RAD[1] && !is_turn_alone(&motion, &rays);
-    let depths: Vec<f64> = agreeing.iter().map(|&i| rays[i].depth(&motion)).collect();
-    if rotation_sigma_rad > MOST_SIGMA_RAD[0] {
+    let is_turn_alone = is_turn_alone(&motion, &rays);
+    let direction_is_known = is_turn_alone || direction_sigma_rad < MOST_SIGMA_RAD[1];
+    if rotation_sigma_rad > MOST_SIGMA_RAD[0] || !direction_is_known {
         return None;
     }
+    let depths: Vec<f64> = agreeing.iter().map(|&i| rays[i].depth(&motion)).collect();
     Some(TwoView {
         rotation: DQuat::from_mat3(&motion.rotation),
-        direction: has_direction.then_some(motion.direction),
+        direction: (!is_turn_alone).then_some(motion.direction),
         rotation_sigma_rad,
         direction_sigma_rad,
         depth_in_baselines: quantile(&depths, 0.5)?,
