@@ -25,8 +25,12 @@ const MAD_TO_SIGMA: f64 = 1.4826;
 const LEAST_SIGMA_PX: f64 = 0.05;
 /// Solutions nearer than this are one.
 const SAME_RAD: f64 = 0.05;
-/// Twice the log of the odds from which on the better of two solutions is believed: 20 to 1.
-const SURE: f64 = 6.0;
+/// Twice the log of the odds from which on the better of two solutions is believed. Odds of 20 to 1 would be 6; which edges are
+/// found for either is chance too, and makes as much of a difference.
+const SURE: f64 = 20.0;
+
+/// Step of a numerical derivative, m or rad.
+const STEP: f64 = 1e-6;
 
 /// Where a frame shows a point of the landmark's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +100,42 @@ impl PlanarPose {
 
     /// The camera's body in a map, if that is the landmark's pose there.
     pub fn camera_in_map(&self, landmark: &MapPose) -> MapPose {
-        MapPose::of_optical(&landmark.transform().then(&self.camera_landmark.inverse()))
+        in_map(&self.camera_landmark, landmark)
+    }
+
+    /// The same on the map's plane with its covariance, if the landmark's position is known to within `sigma_m` along each
+    /// axis.
+    pub fn camera_on_plane(&self, landmark: &MapPose, sigma_m: f64) -> PlanePose {
+        let MapPose { x_m, y_m, yaw_deg, .. } = self.camera_in_map(landmark);
+        let slopes: [[f64; 3]; FREEDOM] = std::array::from_fn(|axis| {
+            let mut step = [0.0; FREEDOM];
+            step[axis] = STEP;
+            let moved = in_map(&moved(&self.camera_landmark, &step), landmark);
+            let turn_deg = (moved.yaw_deg - yaw_deg + 180.0).rem_euclid(360.0) - 180.0;
+            [moved.x_m - x_m, moved.y_m - y_m, turn_deg.to_radians()].map(|off| off / STEP)
+        });
+        let mut covariance = [[sigma_m * sigma_m, 0.0, 0.0], [0.0, sigma_m * sigma_m, 0.0], [0.0; 3]];
+        for (row, a) in self.covariance.iter().zip(&slopes) {
+            for (between, b) in row.iter().zip(&slopes) {
+                for (i, line) in covariance.iter_mut().enumerate() {
+                    line.iter_mut().zip(b).for_each(|(sum, b)| *sum += a[i] * between * b);
+                }
+            }
+        }
+        PlanePose { x_m, y_m, yaw_deg, covariance }
+    }
+}
+
+fn in_map(camera_landmark: &RigidTransform, landmark: &MapPose) -> MapPose {
+    MapPose::of_optical(&landmark.transform().then(&camera_landmark.inverse()))
+}
+
+/// The pose moved by a translation and then a rotation vector, both in the optical frame.
+fn moved(pose: &RigidTransform, step: &[f64]) -> RigidTransform {
+    let turn = DQuat::from_scaled_axis(DVec3::from_slice(&step[3..]));
+    RigidTransform {
+        rotation: (turn * pose.rotation).normalize(),
+        translation_m: pose.translation_m + DVec3::from_slice(&step[..3]),
     }
 }
 
@@ -120,7 +159,7 @@ pub fn solve(sightings: &[Sighting], camera: &Camera) -> Option<PlanarPoses> {
         });
         seen.flatten().collect()
     };
-    let both = starts(sightings, camera)?.map(|start| refined(start, ROUNDS, |pose, _| rows(pose)));
+    let both = starts(sightings, camera)?.map(|start| refined(start, ROUNDS, |pose, _, _| rows(pose)));
     chosen(both.into_iter().flatten().collect(), 1.0)
 }
 
@@ -129,11 +168,10 @@ pub fn solve(sightings: &[Sighting], camera: &Camera) -> Option<PlanarPoses> {
 pub(super) fn chosen(mut refined: Vec<Refined>, dependence: f64) -> Option<PlanarPoses> {
     let sigma_px = refined.iter().map(|refined| refined.sigma_px).reduce(f64::min)?;
     let asked = refined.iter().map(|refined| refined.offs_px.len()).max()?;
-    // −2 log of the likelihood; what one of them doesn't find at all is as far off as can be
+    // −2 log of the likelihood; what one of them doesn't find costs as much as what it finds
     let cost = |refined: &Refined| {
-        let missing = (asked - refined.offs_px.len()) as f64;
         let found = refined.offs_px.iter().map(|off_px| Biweight::of(off_px / sigma_px).cost);
-        (found.sum::<f64>() + missing * Biweight::of(f64::INFINITY).cost) / dependence
+        found.sum::<f64>() / refined.offs_px.len() as f64 * asked as f64 / dependence
     };
     refined.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     let best = refined.first()?;
@@ -260,7 +298,7 @@ pub(super) struct Row {
 /// A pose at a minimum of the residuals.
 #[derive(Clone, Debug)]
 pub(super) struct Refined {
-    pose: RigidTransform,
+    pub pose: RigidTransform,
     offs_px: Vec<f64>,
     /// Standard deviation of the residuals, by those that agree.
     pub sigma_px: f64,
@@ -279,16 +317,18 @@ impl Refined {
     }
 }
 
-/// Gauss and Newton with Tukey's weights; `None` if the residuals don't determine a pose. `rows` is given the round.
+/// Gauss and Newton with Tukey's weights; `None` if the residuals don't determine a pose. `rows` is given the round, and how
+/// far the residuals of the round before scattered.
 pub(super) fn refined(
     start: RigidTransform,
     rounds: usize,
-    rows: impl Fn(&RigidTransform, usize) -> Vec<Row>,
+    rows: impl Fn(&RigidTransform, usize, f64) -> Vec<Row>,
 ) -> Option<Refined> {
     let mut pose = start;
     let mut end = None;
     for round in 0..rounds {
-        let rows = rows(&pose, round);
+        let sigma_px = end.as_ref().map_or(0.0, |end: &Refined| end.sigma_px);
+        let rows = rows(&pose, round, sigma_px);
         let mut sizes: Vec<f64> = rows.iter().map(|row| row.off_px.abs()).collect();
         let scale_px = (MAD_TO_SIGMA * median(&mut sizes, f64::total_cmp)?).max(LEAST_SIGMA_PX);
         let (mut normal, mut right) = ([0.0; FREEDOM * FREEDOM], [0.0; FREEDOM]);
@@ -322,11 +362,7 @@ pub(super) fn refined(
         }
         let offs_px = rows.iter().map(|row| row.off_px).collect();
         end = Some(Refined { pose, offs_px, sigma_px, inverse });
-        let (move_m, turn) = (DVec3::from_slice(&step[..3]), DVec3::from_slice(&step[3..]));
-        pose = RigidTransform {
-            rotation: (DQuat::from_scaled_axis(turn) * pose.rotation).normalize(),
-            translation_m: pose.translation_m + move_m,
-        };
+        pose = moved(&pose, &step);
         if !(pose.translation_m.is_finite() && pose.translation_m.z > 0.0) {
             return None;
         }
@@ -470,6 +506,28 @@ mod tests {
         let found = pose.camera_in_map(&landmark);
         assert!((found.x_m - 3.0).abs() < 1e-5 && (found.y_m + 1.0).abs() < 1e-5, "{found:?}");
         assert!((found.yaw_deg - 75.0).abs() < 1e-4 && (found.roll_deg + 3.0).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn where_the_camera_stands_is_as_sure_as_its_covariance_says() {
+        const TRIALS: u64 = 200;
+        let camera =
+            MapPose { x_m: 3.0, y_m: -1.0, z_m: 0.8, yaw_deg: 175.0, pitch_deg: 5.0, roll_deg: -3.0 };
+        let landmark = MapPose { x_m: 1.2, y_m: -0.6, z_m: 1.1, yaw_deg: 20.0, ..MapPose::default() };
+        let truth = camera.optical().inverse().then(&landmark.transform());
+        let mut sum = 0.0;
+        for trial in 0..TRIALS {
+            let pose = solve(&seen(&truth, 0.6, &CAMERA, 0.5, trial), &CAMERA).unwrap().pose;
+            let [a, b] = Random::new(trial, 905).normals().map(|normal| 0.02 * normal);
+            let surveyed = MapPose { x_m: landmark.x_m + a, y_m: landmark.y_m + b, ..landmark };
+            let found = pose.camera_on_plane(&surveyed, 0.02);
+            let turn_deg = (found.yaw_deg - 175.0 + 180.0).rem_euclid(360.0) - 180.0;
+            let off = [found.x_m - 3.0, found.y_m + 1.0, turn_deg.to_radians()];
+            let scaled = Symmetric::of(found.covariance.as_flattened(), 3).unwrap().solve(&off);
+            sum += scaled.iter().zip(off).map(|(a, b)| a * b).sum::<f64>() / TRIALS as f64;
+        }
+        println!("mean NEES of 3: {sum:.2}");
+        assert!((2.5..3.6).contains(&sum), "{sum}");
     }
 
     #[test]
