@@ -26,7 +26,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "localisation",
         &["geometry", "recognition", "vision", "eigen", "imaging", "statistics", "random", "angle"],
     ),
-    ("recognition", &["vision", "eigen", "imaging", "angle", "statistics", "column"]),
+    ("recognition", &["geometry", "vision", "eigen", "imaging", "angle", "statistics", "column"]),
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
     ("store", &[]),
     ("compute", &[]),

@@ -14,6 +14,8 @@ mod data;
 mod depth;
 #[path = "claims/drawn_tables.rs"]
 mod drawn_tables;
+#[path = "claims/localisation.rs"]
+mod localisation;
 #[path = "claims/objects.rs"]
 mod objects;
 #[path = "claims/parts.rs"]

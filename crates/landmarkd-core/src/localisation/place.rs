@@ -56,13 +56,13 @@ pub struct PlacePose {
 /// Views that are looked at, most evident first.
 const MOST_VIEWS: usize = 8;
 /// Views that give hypotheses, hypotheses of each, and lengths that are tried: from the least, each so many times the one before.
-const PROPOSING: usize = 5;
+const PROPOSING: usize = 4;
 const MOST_MODES: usize = 3;
 const LENGTHS: usize = 24;
 const LEAST_LENGTH_M: f64 = 0.05;
 const LONGER: f64 = 1.28;
 /// Hypotheses that are refined.
-const REFINED: usize = 6;
+const REFINED: usize = 4;
 /// Hypotheses that differ by less are one.
 const SAME_M: f64 = 0.15;
 const SAME_RAD: f64 = 0.05;
@@ -73,6 +73,9 @@ const LEAST_GAIN: f64 = 25.0;
 /// … or where it may be off by more than this.
 const MOST_SIGMA_M: f64 = 2.0;
 const MOST_SIGMA_RAD: f64 = 0.26;
+/// What calibrations leave, and windows that see other surfaces from elsewhere.
+const MODEL_SIGMA_M: f64 = 0.003;
+const MODEL_SIGMA_RAD: f64 = 5e-4;
 /// A view supports a pose with at least so many spots.
 const LEAST_SPOTS: f64 = 5.0;
 /// How likely an accident puts a point that several exemplars see where the frame sees it: to within some pixels, of all.
@@ -93,7 +96,9 @@ pub fn locate(views: &[PlaceView<'_>], camera: Option<&Camera>) -> Option<PlaceP
     let by_points = camera.and_then(|camera| {
         let calibrated = order.iter().copied().filter(|&i| views[i].camera.is_some());
         let seen: Vec<usize> = calibrated.take(MOST_VIEWS).collect();
-        triangulated(views, &seen, camera).or_else(|| seen.iter().find_map(|&i| bearing(views, i, camera)))
+        triangulated(views, &seen, camera)
+            .map(with_model_error)
+            .or_else(|| seen.iter().find_map(|&i| bearing(views, i, camera)))
     });
     by_points.or_else(|| mean(views, &order))
 }
@@ -157,7 +162,14 @@ impl Scene {
             let seen: Vec<(usize, RayPair)> = of_point.iter().map(|(_, view, rays)| (*view, *rays)).collect();
             match MapPoint::of(&out, &seen) {
                 Some(point) => points.push(point),
-                None => seen.into_iter().for_each(|(view, rays)| out[view].pairs.push(rays)),
+                // they share the frame's error, half of theirs: two are worth 4/3, three 3/2
+                None => {
+                    let part = 2.0 / (seen.len() as f64 + 1.0);
+                    for (view, mut rays) in seen {
+                        rays.weight *= part;
+                        out[view].pairs.push(rays);
+                    }
+                }
             }
         }
         Scene { views: out, points }
@@ -217,7 +229,7 @@ impl Scene {
     fn proposals(&self) -> Vec<(f64, RigidTransform)> {
         let mut proposals = Vec::new();
         for view in self.views.iter().take(PROPOSING) {
-            for (_, mode) in modes(&view.rays).into_iter().take(MOST_MODES) {
+            for (_, mode) in modes(&view.rays, MOST_MODES) {
                 let Motion { rotation, direction } = mode.parameters;
                 let lengths = (0..LENGTHS).map(|step| LEAST_LENGTH_M * LONGER.powi(step as i32));
                 let proposal = |length: f64| {
@@ -372,7 +384,15 @@ fn add_outer(covariance: &mut [[f64; 3]; 3], off: [f64; 3], weight: f64) {
     }
 }
 
-/// By all points of several views.
+/// Adds to what points may be off by what no number of them makes less.
+fn with_model_error(mut pose: PlacePose) -> PlacePose {
+    for (axis, sigma) in [MODEL_SIGMA_M, MODEL_SIGMA_M, MODEL_SIGMA_RAD].into_iter().enumerate() {
+        pose.covariance[axis][axis] += sigma * sigma;
+    }
+    pose
+}
+
+/// By all points of several views, as if only their positions were uncertain.
 fn triangulated(views: &[PlaceView<'_>], seen: &[usize], camera: &Camera) -> Option<PlacePose> {
     if seen.len() < 2 {
         return None;
@@ -528,4 +548,148 @@ fn mean(views: &[PlaceView<'_>], order: &[usize]) -> Option<PlacePose> {
         method: PlaceMethod::Exemplars,
         support,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::two_view::tests::{CAMERA, normals, pairs, room};
+    use super::*;
+    use crate::random::Random;
+
+    /// Exemplars of a room, and a frame of it.
+    struct Trial {
+        truth: MapPose,
+        exemplars: Vec<(MapPose, Vec<PointPair>)>,
+    }
+
+    /// Exemplars a metre apart whose true poses are off by `sigma_m`; of five pairs as many as `wrong` are wrong.
+    fn trial(seed: u64, exemplars: usize, sigma_m: f64, wrong: usize) -> Trial {
+        let mut random = Random::new(seed, 6);
+        let points = room(220, &mut random);
+        let truth = MapPose {
+            x_m: random.between(-0.4, 0.4),
+            y_m: random.between(-0.4, 0.4),
+            z_m: 0.6,
+            yaw_deg: random.between(-20.0, 20.0),
+            pitch_deg: random.between(-2.0, 2.0),
+            roll_deg: 0.0,
+        };
+        let noise = normals(points.len(), &mut random);
+        let stand = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]];
+        let exemplars = stand[..exemplars].iter().map(|[x_m, y_m]| {
+            let known = MapPose { x_m: *x_m, y_m: *y_m, z_m: 0.6, ..MapPose::default() };
+            let [dx, dy] = random.normals();
+            let real = MapPose { x_m: x_m + sigma_m * dx, y_m: y_m + sigma_m * dy, ..known };
+            (known, pairs(&points, [&real, &truth], (1.0, wrong), &noise, &mut random))
+        });
+        Trial { truth, exemplars: exemplars.collect() }
+    }
+
+    fn views(trial: &Trial, sigma_m: f64, camera: Option<Camera>) -> Vec<PlaceView<'_>> {
+        trial
+            .exemplars
+            .iter()
+            .map(|(pose, correspondences)| PlaceView {
+                pose: *pose,
+                sigma_m,
+                camera,
+                evidence: 10.0,
+                correspondences,
+            })
+            .collect()
+    }
+
+    /// The error of a pose, and its normalised square.
+    fn error(found: &PlacePose, truth: &MapPose) -> ([f64; 3], f64) {
+        let off = difference(
+            [found.x_m, found.y_m, found.yaw_deg.to_radians()],
+            [truth.x_m, truth.y_m, truth.yaw_deg.to_radians()],
+        );
+        let inverse = DMat3::from_cols_array_2d(&found.covariance).inverse();
+        let v = DVec3::from_array(off);
+        (off, v.dot(inverse * v))
+    }
+
+    /// The mean of the normalised squared errors of some trials, and how many were answered.
+    fn mean_error(trials: u64, exemplars: usize, sigma_m: f64, wrong: usize) -> (f64, u64) {
+        let (mut sum, mut answered) = (0.0, 0);
+        for seed in 0..trials {
+            let trial = trial(seed, exemplars, sigma_m, wrong);
+            let views = views(&trial, sigma_m, Some(CAMERA));
+            let seen: Vec<usize> = (0..exemplars).collect();
+            let Some(found) = triangulated(&views, &seen, &CAMERA) else { continue };
+            let (off, normalised) = error(&found, &trial.truth);
+            assert!(off[0].hypot(off[1]) < 0.15 + 5.0 * sigma_m, "{seed}: {off:?}");
+            sum += normalised;
+            answered += 1;
+        }
+        (sum / answered as f64, answered)
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_the_errors() {
+        let (mean, answered) = mean_error(500, 3, 0.0, 0);
+        println!("normalised squared error {mean:.2} of {answered}");
+        assert!(answered >= 490, "{answered}");
+        // the 95 % band of the mean of 500 χ² of three degrees of freedom: 3 ± 1.96·√(6/500)
+        assert!((2.79..3.21).contains(&mean), "{mean}");
+    }
+
+    #[test]
+    fn what_is_not_known_of_the_exemplars_poses_is_in_the_covariance() {
+        let (mean, answered) = mean_error(60, 4, 0.05, 1);
+        println!("normalised squared error {mean:.2} of {answered}");
+        assert!(answered >= 55, "{answered}");
+        // 3 ± 1.96·√(6/60)
+        assert!((2.38..3.62).contains(&mean), "{mean}");
+    }
+
+    #[test]
+    fn an_exemplar_of_another_place_that_looks_the_same_does_not_matter() {
+        for seed in 0..6 {
+            let mut trial = trial(seed, 3, 0.0, 1);
+            let elsewhere = MapPose { x_m: 20.0, y_m: 7.0, z_m: 0.6, yaw_deg: 90.0, ..MapPose::default() };
+            let same = trial.exemplars[0].1.clone();
+            trial.exemplars.insert(0, (elsewhere, same));
+            let mut views = views(&trial, 0.0, Some(CAMERA));
+            views[0].evidence = 30.0;
+            let found = locate(&views, Some(&CAMERA)).unwrap();
+            assert_eq!(
+                (found.method, &found.support[..]),
+                (PlaceMethod::Triangulation, &[1, 2, 3][..]),
+                "{seed}"
+            );
+            let ([x, y, turn], _) = error(&found, &trial.truth);
+            assert!(x.hypot(y) < 0.1 && turn.abs() < 0.03, "{seed}: {x} {y} {turn}");
+        }
+    }
+
+    #[test]
+    fn one_exemplar_tells_the_heading_and_a_line() {
+        for seed in 0..6 {
+            let trial = trial(seed, 1, 0.0, 1);
+            let found = locate(&views(&trial, 0.02, Some(CAMERA)), Some(&CAMERA)).unwrap();
+            assert_eq!((found.method, &found.support[..]), (PlaceMethod::Bearing, &[0][..]));
+            let ([.., turn], normalised) = error(&found, &trial.truth);
+            assert!(turn.abs() < 0.03, "{seed}: {turn}");
+            assert!(normalised < 16.0, "{seed}: {normalised}");
+            assert!(found.covariance[0][0] + found.covariance[1][1] > 0.1, "{seed}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn without_cameras_exemplars_of_one_place_are_averaged() {
+        let trial = trial(1, 4, 0.0, 1);
+        let mut views = views(&trial, 0.1, None);
+        let elsewhere = MapPose { x_m: 20.0, ..MapPose::default() };
+        views.push(PlaceView { pose: elsewhere, evidence: 15.0, ..views[0].clone() });
+        for camera in [None, Some(&CAMERA)] {
+            let found = locate(&views, camera).unwrap();
+            assert_eq!((found.method, &found.support[..]), (PlaceMethod::Exemplars, &[0, 1, 2, 3][..]));
+            assert!(found.x_m.abs() < 1e-9 && found.y_m.abs() < 1e-9 && found.yaw_deg.abs() < 1e-9);
+            let (_, normalised) = error(&found, &trial.truth);
+            assert!(normalised < 8.0, "{normalised}");
+        }
+        assert_eq!(locate(&[], None), None);
+    }
 }

@@ -34,8 +34,8 @@ const FAR: f64 = 4.0;
 const REFINED: usize = 12;
 /// Hypotheses that differ by less are one: rotation, direction.
 const SAME_RAD: [f64; 2] = [0.06, 0.12];
-/// Windows whose centres are nearer than this part of their radius, of 14 px at their level, see one spot.
-const SPOT_PX: f64 = 7.0;
+/// Windows whose centres are nearer than their radius, of 14 px at their level, see one spot.
+const SPOT_PX: f64 = 14.0;
 /// There is no baseline to be seen if a rotation alone explains this part of what agrees.
 const TURN_ALONE: f64 = 0.8;
 
@@ -207,7 +207,7 @@ impl Motion {
 /// The pose of `from`'s camera relative to `to`'s by pairs of points, likeliest first; none where they don't determine it.
 pub fn relative_pose(pairs: &[PointPair], from: &Camera, to: &Camera) -> Option<TwoView> {
     let (indices, rays): (Vec<usize>, Vec<RayPair>) = RayPair::of(pairs, from, to).into_iter().unzip();
-    let modes = modes(&rays);
+    let modes = modes(&rays, REFINED);
     let (gain, best) = modes.first().filter(|(gain, _)| *gain > LEAST_GAIN)?;
     let motion = best.parameters;
     let agreeing: Vec<usize> = (0..rays.len()).filter(|&i| motion.agrees(&rays[i])).collect();
@@ -240,10 +240,10 @@ pub fn relative_pose(pairs: &[PointPair], from: &Camera, to: &Camera) -> Option<
     })
 }
 
-/// The likeliest motions, refined, likeliest first, with the logarithm of how much likelier they are than an accident.
-pub(super) fn modes(pairs: &[RayPair]) -> Vec<(f64, Refined<Motion, 5>)> {
+/// The likeliest motions, at most so many, refined, likeliest first, with the logarithm of how much likelier they are than an accident.
+pub(super) fn modes(pairs: &[RayPair], most: usize) -> Vec<(f64, Refined<Motion, 5>)> {
     let mut modes: Vec<(f64, Refined<Motion, 5>)> = Vec::new();
-    for motion in hypotheses(pairs) {
+    for motion in hypotheses(pairs).into_iter().take(most) {
         let Some(refined) = motion.refined(pairs) else { continue };
         let gain = refined.parameters.gain(pairs);
         match modes.iter_mut().find(|(_, other)| other.parameters.is_like(&refined.parameters)) {
@@ -327,4 +327,133 @@ fn is_turn_alone(motion: &Motion, pairs: &[RayPair]) -> bool {
     let sum = |pairs: &mut dyn Iterator<Item = &RayPair>| pairs.map(|pair| pair.weight).sum::<f64>();
     let explained = |pair: &&RayPair| transfer(&turn.parameters, pair).length() < WITHIN;
     sum(&mut agreeing.iter().filter(explained)) > TURN_ALONE * sum(&mut agreeing.iter())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::geometry::{MapPose, RigidTransform};
+
+    /// A camera of 640 × 480 px.
+    pub const CAMERA: Camera = Camera {
+        fx: 420.0,
+        fy: 421.0,
+        cx: 318.0,
+        cy: 242.0,
+        distortion: [-0.12, 0.03, 2e-4, -3e-4, 0.0],
+        width_px: 640,
+        height_px: 480,
+    };
+
+    /// Points on the walls, the floor and the furniture of a room of 6 × 5 m.
+    pub fn room(count: usize, random: &mut Random) -> Vec<DVec3> {
+        let mut point = |number: usize| {
+            let (x, y, z) = (random.between(-3.0, 3.0), random.between(-2.5, 2.5), random.between(0.0, 2.4));
+            match number % 6 {
+                0 => DVec3::new(3.0, y, z),
+                1 => DVec3::new(-3.0, y, z),
+                2 => DVec3::new(x, 2.5, z),
+                3 => DVec3::new(x, -2.5, z),
+                4 => DVec3::new(x, y, 0.0),
+                _ => DVec3::new(x, 2.0 * y.signum() + 0.1 * y, 0.4 * z),
+            }
+        };
+        (0..count).map(&mut point).collect()
+    }
+
+    /// Where a camera at a pose sees a point: a pixel, and the direction of what is above it.
+    fn seen(pose: &RigidTransform, point: DVec3) -> Option<([f64; 2], f64)> {
+        let optical_map = pose.inverse();
+        let at = CAMERA.project(optical_map.apply(point))?;
+        let above = CAMERA.project(optical_map.apply(point + DVec3::new(0.0, 0.0, 0.01)))?;
+        let inside = at[0] > 0.0 && at[1] > 0.0 && at[0] < 639.0 && at[1] < 479.0;
+        inside.then(|| (at, (above[1] - at[1]).atan2(above[0] - at[0])))
+    }
+
+    /// The pairs of points that an exemplar and a frame see, of the first `most` points, each to within `noise_px`; of five
+    /// pairs as many as `wrong` have nothing to do with each other. Positions in the frame are those of `frame_noise`.
+    pub fn pairs(
+        points: &[DVec3],
+        [taught, asked]: [&MapPose; 2],
+        (noise_px, wrong): (f64, usize),
+        frame_noise: &[[f64; 2]],
+        random: &mut Random,
+    ) -> Vec<PointPair> {
+        let poses = [taught, asked].map(MapPose::optical);
+        let mut pairs = Vec::new();
+        for (number, (point, off)) in points.iter().zip(frame_noise).enumerate() {
+            let (Some(from), Some(to)) = (seen(&poses[0], *point), seen(&poses[1], *point)) else { continue };
+            let own = random.normals();
+            let is_wrong = number % 5 < wrong;
+            let mut pair = PointPair {
+                from_px: [from.0[0] + noise_px * own[0], from.0[1] + noise_px * own[1]],
+                to_px: [to.0[0] + noise_px * off[0], to.0[1] + noise_px * off[1]],
+                scale_px: [1.0, 1.0],
+                turn_rad: to.1 - from.1 + 0.1 * random.normals()[0],
+                weight: random.between(0.3, 4.0),
+            };
+            if is_wrong {
+                pair.from_px = [random.between(0.0, 639.0), random.between(0.0, 479.0)];
+                pair.turn_rad = random.between(-3.1, 3.1);
+                pair.weight *= 0.3;
+            }
+            pairs.push(pair);
+        }
+        pairs.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        pairs
+    }
+
+    pub fn normals(count: usize, random: &mut Random) -> Vec<[f64; 2]> {
+        (0..count).map(|_| random.normals()).collect()
+    }
+
+    fn two_views(seed: u64, asked: &MapPose, points: &[DVec3], wrong: usize) -> Option<TwoView> {
+        let mut random = Random::new(seed, 4);
+        let noise = normals(points.len(), &mut random);
+        let taught = MapPose { z_m: 0.6, ..MapPose::default() };
+        relative_pose(&pairs(points, [&taught, asked], (0.7, wrong), &noise, &mut random), &CAMERA, &CAMERA)
+    }
+
+    fn truth(asked: &MapPose) -> RigidTransform {
+        let taught = MapPose { z_m: 0.6, ..MapPose::default() };
+        asked.optical().inverse().then(&taught.optical())
+    }
+
+    #[test]
+    fn rotation_and_direction_are_found_among_two_fifths_of_wrong_pairs() {
+        for seed in 0..6 {
+            let mut random = Random::new(seed, 5);
+            let points = room(500, &mut random);
+            let asked =
+                MapPose { x_m: -0.5, y_m: 0.8, z_m: 0.7, yaw_deg: -18.0, pitch_deg: 3.0, roll_deg: 2.0 };
+            let found = two_views(seed, &asked, &points, 2).unwrap();
+            let truth = truth(&asked);
+            let turned = found.rotation.angle_between(truth.rotation);
+            let aside = found.direction.unwrap().angle_between(truth.translation_m);
+            assert!(turned < 0.02 && turned < 4.0 * found.rotation_sigma_rad, "{seed}: {turned} {found:?}");
+            assert!(aside < 0.05 && aside < 4.0 * found.direction_sigma_rad, "{seed}: {aside} {found:?}");
+            assert!((0.5..1.1).contains(&found.deviation), "{}", found.deviation);
+        }
+    }
+
+    #[test]
+    fn a_turn_on_the_spot_has_no_direction() {
+        for seed in 0..4 {
+            let points = room(500, &mut Random::new(seed, 5));
+            let asked = MapPose { z_m: 0.6, yaw_deg: 15.0, ..MapPose::default() };
+            let found = two_views(seed, &asked, &points, 1).unwrap();
+            assert_eq!(found.direction, None);
+            assert!(found.rotation.angle_between(truth(&asked).rotation) < 0.02);
+        }
+    }
+
+    #[test]
+    fn pairs_of_nothing_in_common_determine_nothing() {
+        for seed in 0..4 {
+            let points = room(500, &mut Random::new(seed, 5));
+            let asked = MapPose { x_m: 0.5, y_m: 0.5, z_m: 0.6, yaw_deg: 10.0, ..MapPose::default() };
+            assert_eq!(two_views(seed, &asked, &points, 5), None, "{seed}");
+            assert_eq!(two_views(seed, &asked, &points[..12], 0), None, "few");
+        }
+    }
 }

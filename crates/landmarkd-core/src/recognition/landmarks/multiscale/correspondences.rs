@@ -61,7 +61,7 @@ impl Landmarks {
                     continue;
                 }
                 let weight = 1.0 - (neighbour.distance / background.distance).powi(2);
-                if !(weight > 0.0) {
+                if weight.is_nan() || weight <= 0.0 {
                     continue;
                 }
                 let (window, trained) = (&batch.windows[query], windows.window(neighbour.index));
