@@ -14,14 +14,15 @@ function curl({url, file, type, hasKey}) {
   return [...lines, shell(url)].join(" \\\n    ");
 }
 
-function pythonClient({service, database, file, query, hasKey}) {
+function pythonClient({service, database, target, file, query, hasKey}) {
+  const asks = target === "recognitions" ? `client.recognise(${quoted(database)}, ` : `client.track(${quoted(database)}).frame(`;
   const words = Object.entries(query).map(([name, value]) => `, ${name}=${python(value)}`).join("");
   return [
     ...(hasKey ? ["import os", ""] : []),
     "from landmarkd import Client",
     "",
     `client = Client(${quoted(service)}${hasKey ? `, key=os.environ["LANDMARKD_KEY"]` : ""})`,
-    `answer = client.recognise(${quoted(database)}, ${quoted(file)}${words})`,
+    `answer = ${asks}${quoted(file)}${words})`,
     "print(answer)",
   ].join("\n");
 }
@@ -44,12 +45,12 @@ function rust({url, file, type, hasKey}) {
   ].join("\n");
 }
 
-// `query` holds the query parameters by name.
-export function requests({database, query, file, type, hasKey}) {
+// `target` is what is asked of the database: its recognitions, or a track's frames. `query` holds the query parameters by name.
+export function requests({database, target, query, file, type, hasKey}) {
   const service = new URL(".", location.href).href.replace(/\/$/, "");
   const parameters = new URLSearchParams(query).toString();
-  const url = `${service}/v1/databases/${database}/recognitions${parameters && `?${parameters}`}`;
-  const asked = {service, database, query, url, file: file.replace(/\p{Cc}/gu, ""), type, hasKey};
+  const url = `${service}/v1/databases/${database}/${target}${parameters && `?${parameters}`}`;
+  const asked = {service, database, target, query, url, file: file.replace(/\p{Cc}/gu, ""), type, hasKey};
   const forms = [["curl", curl(asked)], ["Python", pythonClient(asked)], ["Rust", rust(asked)]];
   return tabs("The same request", forms.map(([name, text]) => [name, h("div", {class: "copied"},
     h("pre", {tabindex: "0", "aria-label": `The request for ${name}`}, h("code", {}, text)),
