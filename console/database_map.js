@@ -12,6 +12,12 @@ const IN_TABLE = 100;
 const FIRST_MAP = "map";
 
 const named = ({label}) => label ?? "negative";
+// What follows the pointer while a picture is dragged.
+function ghostOf(image) {
+  const canvas = h("canvas", {class: "map-ghost", width: 128, height: Math.round(128 * image.naturalHeight / image.naturalWidth) || 96});
+  if (image.naturalWidth) canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+  return canvas;
+}
 const shortly = (exemplar) => `${named(exemplar)}, ${poseNumbers(exemplar.pose)}`;
 
 // Marks of those exemplars that stand on that map.
@@ -141,8 +147,9 @@ export function databaseMap(page) {
   }
   function trayItem(exemplar) {
     const button = h("button", {type: "button", class: "quiet offer", "data-id": exemplar.id,
-      "aria-pressed": String(exemplar.id === selected), "aria-label": `Place ${named(exemplar)}`}, remotePicture(`${page.path}/exemplars/${exemplar.id}/image`, "", page.signal,
-      {title: named(exemplar), draggable: "false"}), named(exemplar));
+      "aria-pressed": String(exemplar.id === selected), "aria-label": `Place ${named(exemplar)}`},
+    remotePicture(`${page.path}/exemplars/${exemplar.id}/image`, "", page.signal, {title: named(exemplar), draggable: "false"}),
+    named(exemplar));
     let ghost = null;
     let from = null;
     const end = () => { ghost?.remove(); ghost = from = null; };
@@ -153,7 +160,7 @@ export function databaseMap(page) {
     });
     button.addEventListener("pointermove", (event) => {
       if (!from || (!ghost && Math.hypot(event.clientX - from[0], event.clientY - from[1]) < 6)) return;
-      if (!ghost) document.body.append(ghost = h("div", {class: "map-ghost"}, button.querySelector("img").cloneNode()));
+      if (!ghost) document.body.append(ghost = ghostOf(button.querySelector("img")));
       Object.assign(ghost.style, {left: `${event.clientX}px`, top: `${event.clientY}px`});
     });
     button.addEventListener("pointerup", (event) => {
@@ -184,24 +191,26 @@ export function databaseMap(page) {
   }
 
   function draw(given) {
+    // It opens by itself where there is something on it.
+    if (!list.some(({pose}) => pose) && given.some(({pose}) => pose)) node.open = true;
     list = given;
     map ??= mapsOf()[0] ?? FIRST_MAP;
     if (!mapsOf().includes(map)) added.add(map);
     const marks = marksOf(list, map);
     // A drag changes a mark, and not the exemplar, before the service has kept it.
     view.show({marks});
-    if (fitted !== map && marks.length) { fitted = map; view.fit(); }
+    // Later what was dropped stays where it was dropped.
+    if (fitted !== map) { fitted = map; view.fit(); }
     drawTabs();
     drawTray();
     drawTable();
-    view.select(selected);
     if (selected === null || !detail.hasChildNodes()) drawDetail();
   }
-  const node = h("section", {class: "card", id: "map"}, h("div", {class: "row spread"}, h("h2", {}, "Map"),
+  const body = h("div", {}, h("p", {class: "muted"}, "Exemplars where they were taken, looking along their wedges; flat landmarks as ",
+    "a line with its normal. Drag one to move it, and the ring before it to turn it. ",
     h("a", {href: `#/tracks/${encodeURIComponent(page.name)}`}, "Tracks on it")),
-  h("p", {class: "muted"}, "Exemplars where they were taken, looking along their wedges; flat landmarks as a line with its normal. ",
-    "Drag one to move it, and the ring before it to turn it."),
   tabs, h("div", {class: "map-split"}, h("div", {}, view.node, h("div", {class: "row"}, undo), fault, hint),
     h("div", {}, tray, detail)), table);
-  return {node, draw, refuse: (error) => replace(node, h("h2", {}, "Map"), h("p", {class: "muted"}, error.message))};
+  const node = h("details", {class: "card", id: "map"}, h("summary", {}, h("h2", {}, "Map")), body);
+  return {node, draw, refuse: (error) => replace(body, h("p", {class: "muted"}, error.message))};
 }

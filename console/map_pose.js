@@ -1,7 +1,7 @@
 // Poses in a map in words and numbers: where a frame was taken, how well that is known, and where a landmark stands before the
 // camera. Frames are those of REP 103: x forward, y left, z up; of optical frames z forward, x right, y down.
 
-import {number} from "./parts.js";
+import {count, number} from "./parts.js";
 
 const CHI2_95 = 5.991; // 95 % of a chi-squared distribution of two degrees of freedom
 const SIGMAS_95 = 1.96;
@@ -32,7 +32,7 @@ export const placeWords = ({map, x_m, y_m, yaw_deg}) => `${map}: x ${number(x_m)
 export function knownWords({covariance, method, support}) {
   const {axes_m: [major, minor], yaw_deg} = uncertainty(covariance);
   return `With 95 % within ± ${metres(major)} by ± ${metres(minor)}, heading ± ${number(yaw_deg, yaw_deg < 10 ? 1 : 0)}°; `
-    + `by ${METHODS[method] ?? method}${support.length ? `, of ${support.length}` : ""}.`;
+    + `by ${METHODS[method] ?? method}${support.length ? ` (${count(support.length, "exemplar")})` : ""}.`;
 }
 
 // The pose of an exemplar as a table or a caption has it.

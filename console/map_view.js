@@ -255,6 +255,13 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     draw();
     if (tell) onSelected?.(id);
   }
+  // Shows the place of the selected mark.
+  function reveal() {
+    const each = mark(selected);
+    const [x, y] = each && view.scale ? toScreen(each.pose) : [0, 0];
+    if (x < 0 || y < 0 || x > size.width || y > size.height) Object.assign(view, {x: each.pose.x_m, y: each.pose.y_m});
+    draw();
+  }
   function point(event) {
     const [x, y] = toMap(at(event));
     const each = hit(at(event));
@@ -337,9 +344,8 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     else if (to && shown.marks.length) {
       const place = shown.marks.findIndex(({id}) => id === selected);
       const next = shown.marks[place < 0 ? (to > 0 ? 0 : shown.marks.length - 1) : (place + to + shown.marks.length) % shown.marks.length];
-      const [x, y] = toScreen(next.pose);
-      if (x < 0 || y < 0 || x > size.width || y > size.height) Object.assign(view, {x: next.pose.x_m, y: next.pose.y_m});
       select(next.id);
+      reveal();
     } else return;
     event.preventDefault();
   });
@@ -356,7 +362,8 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
   signal.addEventListener("abort", () => sized.disconnect());
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw, {signal});
   return {
-    node, fit, select: (id) => select(id, false),
+    node, fit,
+    select(id) { select(id, false); reveal(); },
     // `found` are poses with their covariance, `path` poses in their order, `support` ids of marks.
     show({marks = [], support = [], found = [], path = []}) {
       shown = {marks, support: new Set(support), found, path};

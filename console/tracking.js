@@ -76,7 +76,8 @@ export function beliefCard({track: id, database, frame, belief, elsewhere}) {
   const {decision} = frame;
   return h("section", {class: "card", id: "try-track"}, h("h2", {}, "The track"),
     h("p", {}, `${count(frame.number, "frame")}${frame.counted ? "" : "; this one was counted before"}. This frame alone: `,
-      decision ? decision.label : "unknown", decision && decision.confidence !== null ? `, confidence ${confidenceText(decision.confidence)}` : "", ". ",
+      decision ? decision.label : "unknown",
+      decision && decision.confidence !== null ? `, confidence ${confidenceText(decision.confidence)}` : "", ". ",
       h("a", {href: `#/tracks/${encodeURIComponent(database)}/${id}`}, "Its timeline")),
     beliefTable({belief, elsewhere}));
 }

@@ -133,7 +133,7 @@ export async function show(main, [wanted], signal) {
       const roundTrip = performance.now() - began;
       const image = await loaded(file, `The frame ${file.name}`, now).catch(() => null);
       if (now.aborted) return;
-      const where = "pose" in body && await import("./where.js");
+      const where = body.kind === "landmarks" && "pose" in body && await import("./where.js");
       if (now.aborted) return;
       draw(body, {...asked, image, file, query, sent, roundTrip, signal: now}, where);
     } catch (error) {
