@@ -1,8 +1,9 @@
 // The map of a database: its exemplars where they were taken, and a tray of those without a pose, to be dragged onto it.
 
-import {h, replace} from "./dom.js";
+import {h, replace, drawOnChange} from "./dom.js";
 import {act, number, problem, remotePicture} from "./parts.js";
 import {NAME} from "./fields.js";
+import {exemplarPictures} from "./frame_view.js";
 import {mapView} from "./map_view.js";
 import {poseNumbers} from "./map_pose.js";
 import {patchSurvey, surveyForm} from "./survey_form.js";
@@ -33,24 +34,31 @@ export function databaseMap(page) {
   let inTable = IN_TABLE;
   let selected = null; // the id of an exemplar: on the map, or of the tray
   const added = new Set();
-  const changes = []; // {id, label, before}: what undoing puts back
+  const changes = []; // {id, before}: the survey that undoing puts back
+  let sent = Promise.resolve(); // changes are sent one by one
   const tabs = h("div", {class: "row", role: "group", "aria-label": "Maps"});
   const tray = h("div", {class: "tray", id: "map-tray"});
-  const detail = h("div", {id: "map-detail"});
+  const detail = h("div", {id: "map-detail", tabindex: "-1", role: "group", "aria-label": "The chosen exemplar"});
   const fault = h("div", {});
   const hint = h("div", {});
   const undo = act("Undo", async () => {
-    const {id, before} = changes.at(-1);
-    await send(id, {pose: before});
-    changes.pop();
-    bar();
+    const last = changes.pop();
+    try {
+      await send(last.id, last.before);
+    } catch (error) {
+      if (error.status !== 404) changes.push(last); // else it was deleted meanwhile
+      throw error;
+    } finally {
+      bar();
+    }
   }, {kind: "quiet small", place: fault, id: "map-undo", hidden: true});
   const table = h("details", {id: "map-table"}, h("summary", {}, "The same as a table"));
   const rows = h("div", {class: "scroll"});
   table.append(rows);
   table.addEventListener("toggle", () => drawTable());
-  const view = mapView({signal: page.signal, onSelected: (id) => choose(id, false),
-    onMoved: (mark, pose, before) => keep(mark.id, before, pose).catch(() => {}), onPlaced(x_m, y_m) {
+  const view = mapView({signal: page.signal, exemplar: exemplarPictures(encodeURIComponent(page.name), page.signal),
+    onSelected: (id) => choose(id, false),
+    onMoved: (mark, pose) => keep(mark.id, {pose}).catch(refused), onPlaced(x_m, y_m) {
       const exemplar = exemplarOf(selected);
       if (!exemplar || exemplar.pose) return false;
       place(exemplar, x_m, y_m);
@@ -59,33 +67,35 @@ export function databaseMap(page) {
   const exemplarOf = (id) => list.find((exemplar) => exemplar.id === id);
   const mapsOf = () => [...new Set([...list.map(({pose}) => pose?.map).filter(Boolean), ...added])].sort();
 
-  async function send(id, change) {
-    page.surveyed(await patchSurvey(page, id, change));
-    replace(fault);
+  function send(id, change) {
+    const next = sent.then(async () => {
+      page.surveyed(await patchSurvey(page, id, change));
+      replace(fault);
+    });
+    sent = next.catch(() => {});
+    return next;
   }
-  // Keeps a pose; where the service refuses it, what it was is shown again, and why.
-  async function keep(id, before, pose) {
-    try {
-      await send(id, {pose});
-      changes.push({id, before: before ?? null});
-    } catch (error) {
-      if (error.name === "AbortError") return;
-      replace(fault, problem(error));
-      draw(list);
-      throw error;
-    } finally {
-      bar();
-    }
+  async function keep(id, change) {
+    const {pose, camera, size_mm} = exemplarOf(id);
+    await send(id, change);
+    changes.push({id, before: {pose, camera, size_mm}});
+    bar();
   }
-  const place = (exemplar, x_m, y_m) => keep(exemplar.id, null, {map, x_m: round(x_m), y_m: round(y_m), yaw_deg: 0})
-    .then(() => choose(exemplar.id)).catch(() => {});
+  // Shows why the service refused what was dropped, and the exemplar where it was.
+  function refused(error) {
+    if (error.name === "AbortError") return;
+    replace(fault, problem(error));
+    draw(list);
+  }
+  const place = (exemplar, x_m, y_m) => keep(exemplar.id, {pose: {map, x_m: round(x_m), y_m: round(y_m), yaw_deg: 0}})
+    .then(() => choose(exemplar.id), refused);
   const round = (metres) => Math.round(metres * 1000) / 1000;
 
   function bar() {
     undo.hidden = !changes.length;
     const last = changes.at(-1);
     const changed = last && exemplarOf(last.id);
-    if (last) replace(undo, `Undo: ${!last.before ? "placing" : "moving"} ${changed ? named(changed) : ""}`);
+    if (last) replace(undo, `Undo: ${last.before.pose ? "changing" : "placing"} ${changed ? named(changed) : ""}`);
     replace(hint, changes.length ? h("div", {class: "note row spread"},
       h("span", {}, "A version keeps the poses that it was trained with: these come into force with the next training."),
       h("button", {type: "button", class: "small", onClick: () => document.getElementById("train").click()}, "Train now")) : null);
@@ -110,26 +120,23 @@ export function databaseMap(page) {
       surveyForm({exemplar, signal: page.signal, words: exemplar.pose ? "Save" : "Place it",
         suggested: {map, x_m, y_m, yaw_deg: 0},
         async keep(change) {
-          const before = exemplar.pose ?? null;
-          await send(exemplar.id, change);
-          changes.push({id: exemplar.id, before});
+          await keep(exemplar.id, change);
           if (change.pose && change.pose.map !== map) show(change.pose.map);
           choose(exemplar.id);
-          bar();
+          detail.focus({preventScroll: true});
         }}));
   }
 
-  function drawTabs() {
-    const input = h("input", {"aria-label": "Name of another map", placeholder: "another map", pattern: NAME, required: true, size: 12,
-      spellcheck: "false", autocomplete: "off"});
-    replace(tabs, mapsOf().map((name) => h("button", {type: "button", class: "quiet small", "aria-pressed": String(name === map),
-      onClick: () => show(name)}, `${name} (${list.filter(({pose}) => pose?.map === name).length})`)),
-      h("form", {class: "row", onSubmit(event) {
-        event.preventDefault();
-        added.add(input.value);
-        show(input.value);
-      }}, input, h("button", {type: "submit", class: "quiet small"}, "Add")));
-  }
+  const drawTabs = drawOnChange(tabs, ({maps, current}) => maps.map(([name, many]) => h("button", {type: "button", class: "quiet small",
+    "aria-pressed": String(name === current), onClick: () => show(name)}, `${name} (${many})`)));
+  const another = h("input", {"aria-label": "Name of another map", placeholder: "another map", pattern: NAME, required: true, size: 12,
+    spellcheck: "false", autocomplete: "off"});
+  const addMap = h("form", {class: "row", onSubmit(event) {
+    event.preventDefault();
+    added.add(another.value);
+    show(another.value);
+    another.value = "";
+  }}, another, h("button", {type: "submit", class: "quiet small"}, "Add"));
   function show(name) {
     map = name;
     draw(list);
@@ -201,7 +208,7 @@ export function databaseMap(page) {
     view.show({marks});
     // Later what was dropped stays where it was dropped.
     if (fitted !== map) { fitted = map; view.fit(); }
-    drawTabs();
+    drawTabs({current: map, maps: mapsOf().map((name) => [name, list.filter(({pose}) => pose?.map === name).length])});
     drawTray();
     drawTable();
     if (selected === null || !detail.hasChildNodes()) drawDetail();
@@ -209,8 +216,8 @@ export function databaseMap(page) {
   const body = h("div", {}, h("p", {class: "muted"}, "Exemplars where they were taken, looking along their wedges; flat landmarks as ",
     "a line with its normal. Drag one to move it, and the ring before it to turn it. ",
     h("a", {href: `#/tracks/${encodeURIComponent(page.name)}`}, "Tracks on it")),
-  tabs, h("div", {class: "map-split"}, h("div", {}, view.node, h("div", {class: "row"}, undo), fault, hint),
-    h("div", {}, tray, detail)), table);
+  h("div", {class: "row"}, tabs, addMap),
+  h("div", {class: "map-split"}, h("div", {}, view.node, h("div", {class: "row"}, undo), fault, hint), h("div", {}, tray, detail)), table);
   const node = h("details", {class: "card", id: "map"}, h("summary", {}, h("h2", {}, "Map")), body);
   return {node, draw, refuse: (error) => replace(body, h("p", {class: "muted"}, error.message))};
 }

@@ -1,7 +1,7 @@
 // A map seen from above, on a canvas: x right, y up, in metres; headings in degrees, counter-clockwise from x. On it stand
 // exemplars where they were taken, flat landmarks, and places that were found, with their 95 % ellipses.
 
-import {h} from "./dom.js";
+import {h, replace} from "./dom.js";
 import {number} from "./parts.js";
 import {ticks} from "./charts.js";
 import {poseNumbers, uncertainty} from "./map_pose.js";
@@ -10,6 +10,8 @@ const REACH_PX = 14; // so near to a mark the pointer is on it
 const WEDGE_PX = 20;
 const WEDGE_HALF = 22 * Math.PI / 180;
 const HANDLE_PX = 38; // where the selected mark's heading is held
+const CROWD = 300;
+const MOST_LABELS = 60;
 const STILL_PX = 4; // a pointer that moved less was clicked
 const SCALES = [0.01, 20000]; // px per metre
 const COLOURS = {text: "--text", muted: "--muted", line: "--line", card: "--card", exemplar: "--series-1", support: "--series-2",
@@ -18,9 +20,12 @@ const COLOURS = {text: "--text", muted: "--muted", line: "--line", card: "--card
 const rad = (deg) => deg * Math.PI / 180;
 const wrapped = (deg) => { const turn = ((deg % 360) + 360) % 360; return turn > 180 ? turn - 360 : turn; };
 
+const PAUSE_MS = 150; // before the picture under the pointer is fetched
+
 // Marks are {id, label, pose: {x_m, y_m, yaw_deg}, size_mm}. `onMoved(mark, pose)` is called at the end of a drag, where marks may
 // be moved; `onSelected(id | null)`; `onPlaced(x_m, y_m)` for a click on the ground, and is true if it took it.
-export function mapView({onSelected, onMoved, onPlaced, signal}) {
+// `exemplar(id)` resolves to an exemplar's picture, or null.
+export function mapView({exemplar: pictureOf, onSelected, onMoved, onPlaced, signal}) {
   const canvas = h("canvas", {tabindex: 0, role: "application", class: "map-canvas", "aria-describedby": "map-reading",
     "aria-label": "Map: arrow keys move it, plus and minus zoom, 0 shows all, Page Down and Page Up go from exemplar to exemplar"});
   const reading = h("output", {id: "map-reading", class: "muted"}, "\u00a0");
@@ -30,7 +35,8 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     {type: "button", class: "quiet small", "aria-label": words, title: words, onClick: work}, label);
   const tools = h("div", {class: "map-tools"}, tool("+", "Zoom in", () => zoom(1.5)), tool("−", "Zoom out", () => zoom(1 / 1.5)),
     tool("All", "Show all of the map", () => fit()));
-  const node = h("div", {class: "map-view"}, h("div", {class: "map-ground"}, canvas, tools), h("p", {class: "reading"}, reading),
+  const card = h("figure", {class: "map-card", hidden: true});
+  const node = h("div", {class: "map-view"}, h("div", {class: "map-ground"}, canvas, tools, card), h("p", {class: "reading"}, reading),
     said, probe);
   const pen = canvas.getContext("2d");
   let size = {width: 0, height: 0};
@@ -39,6 +45,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
   let [selected, hovered] = [null, null];
   let colours = {};
   let asked = 0;
+  let isFitted = true; // until the person moves it
 
   const toScreen = ({x_m, y_m}) => [size.width / 2 + (x_m - view.x) * view.scale, size.height / 2 - (y_m - view.y) * view.scale];
   const toMap = ([x, y]) => [view.x + (x - size.width / 2) / view.scale, view.y - (y - size.height / 2) / view.scale];
@@ -60,6 +67,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
   }
 
   function fit() {
+    isFitted = true;
     const points = [...shown.marks.map(({pose}) => pose), ...shown.found, ...shown.path];
     if (!size.width) return;
     const [xs, ys] = [points.map(({x_m}) => x_m), points.map(({y_m}) => y_m)];
@@ -72,6 +80,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
   }
   const clamp = (scale) => Math.min(Math.max(scale, SCALES[0]), SCALES[1]);
   function zoom(factor, around = [size.width / 2, size.height / 2]) {
+    isFitted = false;
     const [x, y] = toMap(around);
     view.scale = clamp(view.scale * factor);
     const [u, v] = toMap(around);
@@ -80,6 +89,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     draw();
   }
   function pan(dx, dy) {
+    isFitted = false;
     view.x -= dx / view.scale;
     view.y += dy / view.scale;
     draw();
@@ -126,12 +136,11 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     pen.stroke();
     pen.fillText(step < 1 ? `${number(100 * step, 3)} cm` : `${number(step, 0)} m`, from + 4, y - 6);
   }
-  function camera([x, y], yaw_deg, length = WEDGE_PX) {
-    pen.beginPath();
+  const wedge = ([x, y], yaw_deg, length) => {
     pen.moveTo(x, y);
     pen.arc(x, y, length, -rad(yaw_deg) - WEDGE_HALF, -rad(yaw_deg) + WEDGE_HALF);
     pen.closePath();
-  }
+  };
   function plate([x, y], {pose, size_mm}) {
     const [cos, sin] = [Math.cos(rad(pose.yaw_deg)), Math.sin(rad(pose.yaw_deg))];
     const half = Math.max(size_mm / 2000 * view.scale, 7);
@@ -140,37 +149,57 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     pen.lineWidth -= 2;
     line([x, y], [x + 14 * cos, y - 14 * sin]);
   }
-  function exemplar(each) {
-    const point = toScreen(each.pose);
-    if (point[0] < -60 || point[1] < -60 || point[0] > size.width + 60 || point[1] > size.height + 60) return;
-    const isChosen = each.id === selected;
-    const colour = shown.support.has(each.id) ? colours.support : colours.exemplar;
-    pen.strokeStyle = isChosen || each.id === hovered ? colours.text : colour;
-    pen.lineWidth = isChosen || shown.support.has(each.id) ? 3 : 1.5;
-    if (each.size_mm) plate(point, each);
-    else {
-      camera(point, each.pose.yaw_deg);
-      pen.fillStyle = colour;
-      pen.globalAlpha = 0.3;
-      pen.fill();
-      pen.globalAlpha = 1;
-      pen.stroke();
-    }
+  // Marks that look the same, in few strokes: thousands stay quick.
+  function exemplars(list, {colour, edge = colour, width, length}) {
+    pen.strokeStyle = edge;
     pen.fillStyle = colour;
+    pen.lineWidth = width;
+    for (const each of list) if (each.size_mm) plate(toScreen(each.pose), each);
     pen.beginPath();
-    pen.arc(...point, 3.5, 0, 2 * Math.PI);
+    for (const each of list) if (!each.size_mm) wedge(toScreen(each.pose), each.pose.yaw_deg, length);
+    pen.globalAlpha = 0.3;
     pen.fill();
-    if (!isChosen || !onMoved) return;
+    pen.globalAlpha = 1;
+    pen.stroke();
+    pen.beginPath();
+    for (const {pose} of list) {
+      const [x, y] = toScreen(pose);
+      pen.moveTo(x, y);
+      pen.arc(x, y, Math.min(3.5, length / 4), 0, 2 * Math.PI);
+    }
+    pen.fill();
+  }
+  function ring(each) {
     const held = handle(each);
     pen.lineWidth = 1.5;
     pen.setLineDash([3, 3]);
-    line(point, held);
+    line(toScreen(each.pose), held);
     pen.setLineDash([]);
     pen.fillStyle = colours.card;
     pen.beginPath();
     pen.arc(...held, 7, 0, 2 * Math.PI);
     pen.fill();
     pen.stroke();
+  }
+  const isSeen = ({pose}) => {
+    const [x, y] = toScreen(pose);
+    return x > -60 && y > -60 && x < size.width + 60 && y < size.height + 60;
+  };
+  function marks() {
+    const seen = shown.marks.filter(isSeen);
+    // Where they stand close together they are drawn smaller.
+    const length = Math.min(Math.max(0.7 * Math.sqrt(size.width * size.height / (seen.length || 1)), 8), WEDGE_PX);
+    const isPlain = ({id}) => id !== selected && id !== hovered && !shown.support.has(id);
+    exemplars(seen.filter(isPlain), {colour: colours.exemplar, width: 1.5, length});
+    exemplars(seen.filter(({id}) => shown.support.has(id)), {colour: colours.support, width: 3, length: WEDGE_PX});
+    for (const id of new Set([hovered, selected])) {
+      const each = mark(id);
+      if (!each) continue;
+      const colour = shown.support.has(id) ? colours.support : colours.exemplar;
+      exemplars([each], {colour, edge: colours.text, width: id === selected ? 3 : 1.5, length: WEDGE_PX});
+      if (id === selected && onMoved) ring(each);
+    }
+    return seen;
   }
   function place(pose) {
     const [x, y] = toScreen(pose);
@@ -199,18 +228,23 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     pen.arc(x, y, 5, 0, 2 * Math.PI);
     pen.fill();
   }
-  // The labels that don't lie on one another, the selected and the supporting ones first.
-  function labels() {
+  // The labels that don't lie on one another, the selected and the supporting ones first; in a crowd these alone.
+  const widths = new Map();
+  const widthOf = (text) => {
+    if (!widths.has(text)) widths.set(text, pen.measureText(text).width);
+    return widths.get(text);
+  };
+  function labels(seen) {
     const taken = [];
     const rank = ({id}) => id === selected || id === hovered ? 0 : shown.support.has(id) ? 1 : 2;
     pen.lineWidth = 3;
     pen.strokeStyle = colours.card;
     pen.fillStyle = colours.text;
-    for (const each of shown.marks.toSorted((a, b) => rank(a) - rank(b))) {
-      if (taken.length > 150) return;
+    const told = seen.length > CROWD ? seen.filter((each) => rank(each) < 2) : seen;
+    for (const each of told.toSorted((a, b) => rank(a) - rank(b))) {
+      if (taken.length >= MOST_LABELS) return;
       const [x, y] = toScreen(each.pose);
-      if (x < 0 || y < 0 || x > size.width || y > size.height) continue;
-      const [from, width] = [x + 7, pen.measureText(each.label).width];
+      const [from, width] = [x + 7, widthOf(each.label)];
       const base = y + (Math.sin(rad(each.pose.yaw_deg)) >= 0 ? 14 : -8);
       if (taken.some((box) => from < box.to && from + width > box.from && Math.abs(base - box.base) < 14)) continue;
       taken.push({from, to: from + width, base});
@@ -227,8 +261,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     pen.clearRect(0, 0, size.width, size.height);
     pen.font = "12px system-ui, sans-serif";
     ground();
-    for (const each of shown.marks) if (each.id !== selected) exemplar(each);
-    if (mark(selected)) exemplar(mark(selected));
+    const seen = marks();
     if (shown.path.length > 1) {
       pen.strokeStyle = colours.found;
       pen.lineWidth = 1.5;
@@ -245,15 +278,33 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
       pen.fill();
     }
     shown.found.forEach(place);
-    labels();
+    labels(seen);
   }
 
   function select(id, tell = true) {
     selected = id;
     const each = mark(id);
     if (each) said.textContent = `${each.label}: ${poseNumbers(each.pose)}`;
+    describe();
     draw();
     if (tell) onSelected?.(id);
+  }
+  // The picture and the numbers of the mark under the pointer, else of the selected one.
+  let described = null;
+  let waiting = 0;
+  function describe() {
+    const each = mark(hovered) ?? mark(selected);
+    card.hidden = !each;
+    if (!each || described === each) return;
+    described = each;
+    const place = h("div", {});
+    replace(card, place, h("figcaption", {}, h("strong", {}, each.label), h("br"), poseNumbers(each.pose),
+      each.size_mm ? [h("br"), `${number(each.size_mm, 0)} mm wide`] : null));
+    clearTimeout(waiting);
+    waiting = setTimeout(async () => {
+      const image = await pictureOf(each.id);
+      if (image && described === each) replace(place, image);
+    }, PAUSE_MS);
   }
   // Shows the place of the selected mark.
   function reveal() {
@@ -262,11 +313,17 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     if (x < 0 || y < 0 || x > size.width || y > size.height) Object.assign(view, {x: each.pose.x_m, y: each.pose.y_m});
     draw();
   }
+  function hover(id) {
+    if (hovered === id) return;
+    hovered = id;
+    describe();
+    draw();
+  }
   function point(event) {
     const [x, y] = toMap(at(event));
     const each = hit(at(event));
     reading.textContent = `x ${number(x)} m, y ${number(y)} m${each ? ` · ${each.label}` : ""}`;
-    if (hovered !== (each?.id ?? null)) { hovered = each?.id ?? null; draw(); }
+    hover(each?.id ?? null);
     const isHeld = onMoved && mark(selected) && isNear(handle(mark(selected)), at(event));
     canvas.style.cursor = isHeld ? "grab" : each ? (onMoved ? "move" : "pointer") : "";
   }
@@ -275,6 +332,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
   let held = null; // what is under way: {kind: "pan" | "move" | "turn", mark, from, before}
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button) return;
+    isFitted = false;
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, at(event));
     if (fingers.size > 1) {
@@ -326,7 +384,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     held = null;
     draw();
   });
-  canvas.addEventListener("pointerleave", () => { hovered = null; draw(); });
+  canvas.addEventListener("pointerleave", () => hover(null));
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY / (event.deltaMode ? 15 : 400)), at(event));
@@ -356,7 +414,7 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     size = {width, height};
     const ratio = window.devicePixelRatio || 1;
     Object.assign(canvas, {width: Math.round(width * ratio), height: Math.round(height * ratio)});
-    paint();
+    isFitted ? fit() : paint();
   });
   sized.observe(canvas);
   signal.addEventListener("abort", () => sized.disconnect());
@@ -368,13 +426,16 @@ export function mapView({onSelected, onMoved, onPlaced, signal}) {
     show({marks = [], support = [], found = [], path = []}) {
       shown = {marks, support: new Set(support), found, path};
       if (selected !== null && !mark(selected)) selected = null;
+      describe();
       draw();
     },
     // The place in the map that a point of the window is over; null beside it.
     under({clientX, clientY}) {
       const box = canvas.getBoundingClientRect();
       const [x, y] = [clientX - box.left, clientY - box.top];
-      return x >= 0 && y >= 0 && x <= box.width && y <= box.height ? toMap([x, y]) : null;
+      if (x < 0 || y < 0 || x > box.width || y > box.height) return null;
+      isFitted = false;
+      return toMap([x, y]);
     },
     middle: () => [view.x, view.y],
   };

@@ -3,7 +3,7 @@
 import {h, replace, drawOnChange, svg} from "./dom.js";
 import {all, follow, get, remove} from "./api.js";
 import {act, count, number, poll, problem, state, time, whileVisible} from "./parts.js";
-import {confidenceText} from "./frame_view.js";
+import {confidenceText, exemplarPictures} from "./frame_view.js";
 import {mapView} from "./map_view.js";
 import {marksOf} from "./database_map.js";
 import {placeLines, surveyed} from "./where.js";
@@ -36,7 +36,7 @@ export async function show(main, [name, wanted], signal) {
   const slider = h("input", {type: "range", min: 0, value: 0, step: 1, id: "track-slider", "aria-label": "Frame of the track",
     onInput() { pin(framesOf()[Number(slider.value)]); }});
   const newest = h("button", {type: "button", class: "quiet small", onClick: () => pin(null)}, "Follow the newest");
-  const view = mapView({signal});
+  const view = mapView({exemplar: exemplarPictures(encodeURIComponent(name), signal), signal});
   const ground = h("div", {hidden: true}, view.node);
   const one = h("section", {class: "card", id: "track", hidden: true}, h("h2", {}, "The track"),
     h("div", {class: "map-split"}, h("div", {}, ground, detail), belief), line,

@@ -13,12 +13,12 @@ export const surveyed = (path, signal) => all(`${path}/exemplars`, {signal}).cat
 });
 
 // The answer's pose: null says that the exemplars that agree don't tell.
-export function whereCard({pose}, {path, signal}) {
+export function whereCard({pose}, {path, exemplar, signal}) {
   if (!pose) {
     return h("section", {class: "card", id: "try-where"}, h("h2", {}, "Where it was taken"),
       h("p", {}, "Not known: the exemplars that agree don't tell, or have no pose."));
   }
-  const view = mapView({signal});
+  const view = mapView({exemplar, signal});
   view.show({found: [pose]});
   surveyed(path, signal).then((list) => {
     view.show({marks: marksOf(list, pose.map), support: pose.support, found: [pose]});
