@@ -22,6 +22,8 @@ mod parts;
 mod placement;
 #[path = "claims/places.rs"]
 mod places;
+#[path = "claims/plates.rs"]
+mod plates;
 #[path = "claims/random.rs"]
 mod random;
 #[path = "claims/real.rs"]

@@ -145,8 +145,8 @@ impl Camera {
         )
     }
 
-    /// The derivative of [`Self::distorted`], row-major.
-    fn derivative(&self, ray: DVec2) -> [[f64; 2]; 2] {
+    /// By how much a ray moves on the plane of unit depth behind the lens when it moves before it, row-major.
+    pub(crate) fn derivative(&self, ray: DVec2) -> [[f64; 2]; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let (x, y) = (ray.x, ray.y);
         let r2 = ray.length_squared();

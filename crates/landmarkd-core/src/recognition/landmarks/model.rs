@@ -201,7 +201,7 @@ impl Landmarks {
     }
 
     /// Width and height of an exemplar's picture at the working size.
-    pub(super) fn working_size_px(&self, exemplar: usize) -> [f32; 2] {
+    pub fn working_size_px(&self, exemplar: usize) -> [f32; 2] {
         self.exemplars[exemplar].working_size_px(&self.options)
     }
 
