@@ -45,7 +45,7 @@ export function tracking({name, path, onChanged, signal}) {
   return {
     node: h("div", {}, h("p", {class: "row"}, box, h("label", {for: "as-track"}, "As frames of a track: evidence adds up"), said), form),
     isOn: () => isOn,
-    // Posts a frame to the track of that alias, and begins one where there is none: {reply, target, query}.
+    // Posts a frame to the track of that alias, and begins one where there is none: {reply, target, query, alias}.
     async send(file, type, alias, asked, now) {
       const moved = ["dx_m", "dy_m", "dyaw_deg"].map((member) => [member, numberIn(form, member)])
         .filter(([, value]) => value !== undefined);
@@ -61,7 +61,7 @@ export function tracking({name, path, onChanged, signal}) {
             {body: file, type, headers: {"X-Frame-Id": idOf(file)}, signal: now});
           form.reset();
           if (!signal.aborted) tell();
-          return {reply, target, query};
+          return {reply, target, query, alias: alias === "current" ? undefined : alias};
         } catch (error) {
           if (error.status !== 404 || attempt) throw error; // it ended meanwhile: another begins
           track = null;

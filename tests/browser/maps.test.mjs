@@ -227,11 +227,56 @@ test("a camera is kept and named, and the answer says on the map where the frame
   near(Number(x_m), Object.keys(PLACES).sort().indexOf("library"), 0.25, "the library's x");
 }));
 
+// A landmark that is looked at from straight before it: its normal towards the camera, its z axis up.
+const FACING = [0.5, 0.5, -0.5, 0.5];
+const turnedBy = (deg) => { // about its own z axis
+  const [x, y, z, w] = FACING;
+  const [sin, cos] = [Math.sin(deg * Math.PI / 360), Math.cos(deg * Math.PI / 360)];
+  return [x * cos + y * sin, y * cos - x * sin, z * cos + w * sin, w * cos - z * sin];
+};
+
+test("a covariance is an ellipse, and a landmark's pose a distance, a bearing and a tilt", () => visit(async (page, tab) => {
+  await tab.go("");
+  const {round, aslant, ahead, aside} = await page.evaluate(async ([facing, turned]) => {
+    const {beforeCamera, uncertainty} = await import(new URL("console/map_pose.js", location.href));
+    return {
+      round: uncertainty([0.04, 0, 0, 0, 0.01, 0, 0, 0, 0.01]), aslant: uncertainty([0.025, 0.015, 0, 0.015, 0.025, 0, 0, 0, 100]),
+      ahead: beforeCamera({translation_m: [0, 0, 2], quaternion: facing}), aside: beforeCamera({translation_m: [1, -1, 1], quaternion: turned})};
+  }, [FACING, turnedBy(30)]);
+  // By hand: the square root of 5.991 is 2.4477.
+  near(round.axes_m[0], 0.48954, 1e-4, "the long half axis");
+  near(round.axes_m[1], 0.24477, 1e-4, "the short one");
+  near(round.yaw_deg, 1.96 * 0.1 * 180 / Math.PI, 1e-9, "half the heading's interval");
+  near(aslant.turn_rad, Math.PI / 4, 1e-9, "its turn");
+  near(aslant.axes_m[0], 0.48954, 1e-4, "its long half axis");
+  assert.equal(aslant.yaw_deg, 180);
+  near(ahead.distance_m, 2, 1e-12, "distance");
+  near(ahead.tilt_deg, 0, 1e-4, "tilt of what is faced");
+  near(aside.bearing_deg, 45, 1e-9, "bearing");
+  near(aside.elevation_deg, 35.2644, 1e-3, "elevation");
+  // The normal, turned to the left or right by 30 degrees, against the line of sight.
+  const normal = [Math.sin(Math.PI / 6), 0, -Math.cos(Math.PI / 6)];
+  near(Math.cos(aside.tilt_deg * Math.PI / 180), -(normal[0] - 0 * 1 + normal[2]) / Math.sqrt(3), 1e-9, "tilt");
+}));
+
+test("a flat landmark's pose is told in words, and that it is ambiguous", () => visit(async (page, tab) => {
+  await page.route("**/recognitions?*", async (route) => {
+    const answer = await (await route.fetch()).json();
+    const pose = {translation_m: [0, 0, 2], quaternion: FACING, covariance: Array(36).fill(0), error_px: 0.4};
+    Object.assign(answer.votes[0].placement, {T_camera_landmark: pose, ambiguous: true, alternative: {...pose, quaternion: turnedBy(20)}});
+    await route.fulfill({json: answer});
+  });
+  await tab.go("#/try/hall");
+  await ask(page, file("frame.png", frame(PLACES.library)));
+  await sees(page, "#try-votes", /2 m before the camera, straight ahead, tilted by 0° from facing it; reprojection error 0\.4 px\. Ambiguous: .* 20°/);
+}));
+
 test("frames asked as a track come to its timeline with their pictures, a robot's without", () => visit(async (page, tab) => {
   await tab.go("#/try/hall");
   await page.check("#as-track");
   for (const [name, seed] of Object.entries(PLACES)) await ask(page, file(`${name}.png`, frame(seed)));
   await sees(page, "#try-track", /3 frames/);
+  assert.match(await page.textContent("#panel-python code"), /client\.track\("hall"\)\.frame\("library\.png", explain=True\)/);
   assert.match(await page.textContent("#panel-curl code"), /tracks\/[\w-]+\/frames/);
   await page.locator("#try-track").getByRole("link", {name: "Its timeline"}).click();
   await page.locator(".frame-dot").nth(2).waitFor();
