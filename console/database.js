@@ -54,7 +54,7 @@ export async function show(main, [name], signal) {
     try {
       known.items = await all(`${path}/exemplars`, {signal});
       exemplars.draw(known.items, counted);
-      map?.draw(known.items);
+      map?.draw(known.items, counted);
     } catch (error) {
       if (error.status !== 403) throw error;
       exemplars.refuse(error);
@@ -66,7 +66,7 @@ export async function show(main, [name], signal) {
   function surveyed(exemplar) {
     known.items = known.items.map((each) => each.id === exemplar.id ? exemplar : each);
     exemplars.draw(known.items, known.exemplars);
-    map.draw(known.items);
+    map.draw(known.items, known.exemplars);
   }
 
   replace(main,

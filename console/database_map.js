@@ -25,9 +25,10 @@ const shortly = (exemplar) => `${named(exemplar)}, ${poseNumbers(exemplar.pose)}
 export const marksOf = (list, map) => list.filter(({pose}) => pose?.map === map)
   .map((exemplar) => ({id: exemplar.id, label: named(exemplar), pose: exemplar.pose, size_mm: exemplar.size_mm, exemplar}));
 
-// `draw(list)` shows the database's exemplars.
+// `draw(list, counted)` shows the database's exemplars, of which there are `counted`.
 export function databaseMap(page) {
   let list = [];
+  let total = 0;
   let map = null;
   let fitted = null;
   let inTray = IN_TRAY;
@@ -41,6 +42,7 @@ export function databaseMap(page) {
   const detail = h("div", {id: "map-detail", tabindex: "-1", role: "group", "aria-label": "The chosen exemplar"});
   const fault = h("div", {});
   const hint = h("div", {});
+  const note = h("p", {class: "note", hidden: true});
   const undo = act("Undo", async () => {
     const last = changes.pop();
     try {
@@ -85,7 +87,7 @@ export function databaseMap(page) {
   function refused(error) {
     if (error.name === "AbortError") return;
     replace(fault, problem(error));
-    draw(list);
+    draw(list, total);
   }
   const place = (exemplar, x_m, y_m) => keep(exemplar.id, {pose: {map, x_m: round(x_m), y_m: round(y_m), yaw_deg: 0}})
     .then(() => choose(exemplar.id), refused);
@@ -139,7 +141,7 @@ export function databaseMap(page) {
   }}, another, h("button", {type: "submit", class: "quiet small"}, "Add"));
   function show(name) {
     map = name;
-    draw(list);
+    draw(list, total);
   }
 
   function drawTray() {
@@ -197,7 +199,10 @@ export function databaseMap(page) {
         `Show more (${placed.length - inTable})`) : null);
   }
 
-  function draw(given) {
+  function draw(given, counted) {
+    total = counted;
+    note.hidden = given.length >= counted;
+    replace(note, `The first ${given.length.toLocaleString("en")} exemplars of ${counted.toLocaleString("en")} are here.`);
     // It opens by itself where there is something on it.
     if (!list.some(({pose}) => pose) && given.some(({pose}) => pose)) node.open = true;
     list = given;
@@ -216,7 +221,7 @@ export function databaseMap(page) {
   const body = h("div", {}, h("p", {class: "muted"}, "Exemplars where they were taken, looking along their wedges; flat landmarks as ",
     "a line with its normal. Drag one to move it, and the ring before it to turn it. ",
     h("a", {href: `#/tracks/${encodeURIComponent(page.name)}`}, "Tracks on it")),
-  h("div", {class: "row"}, tabs, addMap),
+  note, h("div", {class: "row"}, tabs, addMap),
   h("div", {class: "map-split"}, h("div", {}, view.node, h("div", {class: "row"}, undo), fault, hint), h("div", {}, tray, detail)), table);
   const node = h("details", {class: "card", id: "map"}, h("summary", {}, h("h2", {}, "Map")), body);
   return {node, draw, refuse: (error) => replace(body, h("p", {class: "muted"}, error.message))};

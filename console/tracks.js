@@ -119,8 +119,9 @@ export async function show(main, [name, wanted], signal) {
     h("p", {}, words(entry)), entry.pose ? placeLines(entry.pose) : h("p", {class: "muted"}, "No pose."))) : null);
   function drawTable(frames) {
     if (!table.open) return;
-    const heads = ["Frame", "Decision", "Confidence", "x, m", "y, m", "Heading, °", "State"];
-    replace(rows, h("table", {}, h("thead", {}, h("tr", {}, heads.map((head) => h("th", {scope: "col"}, head)))),
+    replace(rows, h("table", {}, h("thead", {}, h("tr", {}, ["Frame", "Decision"].map((head) => h("th", {scope: "col"}, head)),
+      ["Confidence", "x, m", "y, m", "Heading, °"].map((head) => h("th", {scope: "col", class: "n"}, head)),
+      h("th", {scope: "col"}, "State"))),
     h("tbody", {}, frames.slice(-IN_TABLE).reverse().map((entry) => h("tr", {},
       h("td", {}, h("button", {type: "button", class: "quiet small", "aria-pressed": String(entry === pinned), onClick: () => pin(entry)},
         new Date(entry.at).toLocaleTimeString())),
@@ -137,7 +138,10 @@ export async function show(main, [name, wanted], signal) {
     if (!track) return;
     const frames = entries.get(track) ?? [];
     entries.set(track, frames);
-    frames.push({at, frame_id: header.frame_id, decision, pose: pose ?? null});
+    // Another process of a fleet may tell again what it told before.
+    if (frames.some((each) => each.at === at)) return;
+    const place = frames.findLastIndex((each) => new Date(each.at) <= new Date(at)) + 1;
+    frames.splice(place, 0, {at, frame_id: header.frame_id, decision, pose: pose ?? null});
     if (frames.length > KEPT) frames.shift();
     if (track === chosen || !chosen) draw();
   }, visible, since), signal).catch((error) => {

@@ -104,6 +104,30 @@ test("a person drags a picture onto the map, moves it, turns it, and takes both 
   assert.deepEqual((await placed("bare"))[0].pose, first.pose);
 }));
 
+test("one that was chosen is placed where a finger taps, and two fingers zoom", () => visit(async (page, tab) => {
+  await tab.go("#/databases/bare");
+  await page.getByRole("button", {name: "Place workshop"}).first().click();
+  const [x, y] = await ground(page);
+  const touch = await page.context().newCDPSession(page);
+  const fingers = (type, ...points) => touch.send("Input.dispatchTouchEvent", {type, touchPoints: points.map(([u, v], id) => ({x: u, y: v, id}))});
+  const before = (await placed("bare")).length;
+  const kept = page.waitForResponse((answer) => answer.request().method() === "PATCH");
+  await fingers("touchStart", [x + 100, y + 100]);
+  await fingers("touchEnd");
+  await kept;
+  const after = await placed("bare");
+  assert.equal(after.length, before + 1);
+  assert.ok(after.some(({label}) => label === "workshop"));
+
+  const width = async () => (await under(page, [x + 100, y])).x_m - (await under(page, [x - 100, y])).x_m;
+  const wide = await width();
+  await fingers("touchStart", [x - 50, y - 120], [x + 50, y - 120]);
+  for (const apart of [70, 90, 100]) await fingers("touchMove", [x - apart, y - 120], [x + apart, y - 120]);
+  await fingers("touchEnd");
+  await page.waitForTimeout(100);
+  near(await width(), wide / 2, 0.05 * wide, "the width of the map under 200 px");
+}));
+
 test("without a mouse the numbers place a picture, and a wrong one is explained", () => visit(async (page, tab) => {
   tab.expects(/422/);
   await tab.go("#/databases/bare");
