@@ -68,8 +68,12 @@ export function mapView({exemplar: pictureOf, onSelected, onMoved, onPlaced, sig
 
   function fit() {
     isFitted = true;
-    const points = [...shown.marks.map(({pose}) => pose), ...shown.found, ...shown.path];
     if (!size.width) return;
+    const around = ({x_m, y_m, covariance}) => [-1, 1].map((way) => {
+      const [reach] = uncertainty(covariance).axes_m;
+      return {x_m: x_m + way * reach, y_m: y_m + way * reach};
+    });
+    const points = [...shown.marks.map(({pose}) => pose), ...shown.found.flatMap(around), ...shown.path];
     const [xs, ys] = [points.map(({x_m}) => x_m), points.map(({y_m}) => y_m)];
     const ends = (values) => values.length ? [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))] : [-2, 2];
     const [[left, right], [low, high]] = [ends(xs), ends(ys)];

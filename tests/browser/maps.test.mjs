@@ -306,6 +306,8 @@ test("frames asked as a track come to its timeline with their pictures, a robot'
   await page.locator(".frame-dot").nth(2).waitFor();
   await page.locator("#track-frame img").waitFor();
   await sees(page, "#track-belief table", /somewhere else/);
+  await sees(page, "#track-frame", /ground-floor: x .* by all frames of the track/s);
+  assert.ok(await page.locator("#track .map-canvas").isVisible());
   await page.locator("#track-slider").focus();
   await page.keyboard.press("Home");
   await page.getByAltText("The frame kitchen.png").waitFor();
