@@ -165,6 +165,7 @@ fn relative_links_lead_somewhere() {
         "SECURITY.md",
         "clients/README.md",
         "clients/python/README.md",
+        "docs/bags.md",
         "docs/choosing.md",
         "docs/data.md",
         "docs/limits.md",
