@@ -104,6 +104,9 @@ pub struct GivenSettings {
     /// How log lines are written [default: text]
     #[arg(long, env = "LANDMARKD_LOG_FORMAT", value_name = "FORMAT")]
     pub log_format: Option<LogFormat>,
+    /// Collector that traces and metrics are sent to, by the OpenTelemetry protocol over HTTP: http://host:4318 [default: none]
+    #[arg(long, env = "LANDMARKD_OTLP_ENDPOINT", value_name = "URL")]
+    pub otlp_endpoint: Option<String>,
     /// Largest body of one request [default: 16]
     #[arg(long, env = "LANDMARKD_MAX_BODY_MB", value_name = "N")]
     pub max_body_mb: Option<u64>,
@@ -176,6 +179,7 @@ impl GivenSettings {
             exemplar_cache_mb: self.exemplar_cache_mb.or(other.exemplar_cache_mb),
             insecure: self.insecure.or(other.insecure),
             log_format: self.log_format.or(other.log_format),
+            otlp_endpoint: self.otlp_endpoint.or(other.otlp_endpoint),
             max_body_mb: self.max_body_mb.or(other.max_body_mb),
             max_side_px: self.max_side_px.or(other.max_side_px),
             max_megapixels: self.max_megapixels.or(other.max_megapixels),
@@ -448,6 +452,8 @@ pub struct Settings {
     pub tls: Option<TlsFiles>,
     /// How log lines are written.
     pub log_format: LogFormat,
+    /// Where traces and metrics are sent.
+    pub otlp_endpoint: Option<String>,
     /// What is refused.
     pub limits: Limits,
 }
@@ -554,6 +560,7 @@ impl Settings {
             insecure: given.insecure.unwrap_or(false),
             tls,
             log_format: given.log_format.unwrap_or(LogFormat::Text),
+            otlp_endpoint: given.otlp_endpoint.clone(),
             limits: given.limits()?,
             data_dir: given.data_dir.unwrap_or_else(default_data_dir),
         })

@@ -12,6 +12,7 @@ pub mod connections;
 pub mod database;
 pub mod demo;
 pub mod evaluate;
+pub mod events;
 pub mod http;
 pub mod jobs;
 pub mod keys;

@@ -16,6 +16,8 @@ use landmarkd::demo::{self, DemoArgs};
 use landmarkd::evaluate::EvaluateArgs;
 use landmarkd::evaluate::depth::{EvaluateDepthArgs, evaluate_depth};
 use landmarkd::keys::{self, KeysArgs};
+use landmarkd::telemetry::Metrics;
+use landmarkd::telemetry::otlp::Otlp;
 use landmarkd::{database, http, serve, store, telemetry};
 use serde::Serialize;
 
@@ -114,11 +116,20 @@ fn run(verb: Verb) -> anyhow::Result<()> {
     match verb {
         Verb::Serve { config, settings } => {
             let settings = Settings::settle(settings, config.as_deref())?;
-            telemetry::start_logging(settings.log_format, false);
-            let listening = |address| {
+            let runtime = runtime()?;
+            let entered = runtime.enter();
+            // Dropped after the service has ended and before its runtime: what is pending is sent then.
+            let mut otlp = settings.otlp_endpoint.as_deref().map(Otlp::start).transpose()?;
+            drop(entered);
+            telemetry::start_logging(settings.log_format, false, otlp.as_ref());
+            let listening = |address: SocketAddr, metrics: &Metrics| {
                 tracing::info!(%address, data_dir = %settings.data_dir.display(), "listening");
+                let exported = otlp.as_mut().map_or(Ok(()), |otlp| metrics.export(otlp));
+                if let Err(error) = exported {
+                    tracing::error!(error = telemetry::chain(&error), "metrics are not exported");
+                }
             };
-            runtime()?.block_on(async {
+            runtime.block_on(async {
                 tokio::select! {
                     served = serve::serve(&settings, listening, stop_signals(1)) => Ok(served?),
                     () = stop_signals(2) => anyhow::bail!("ended at once, by a second signal"),
@@ -165,7 +176,7 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
         settings.tls.is_none(),
         "the demo is a client without TLS: leave out --tls-cert and --tls-key"
     );
-    telemetry::start_logging(settings.log_format, true);
+    telemetry::start_logging(settings.log_format, true, None);
     runtime()?.block_on(serve_demo(args, &settings))
 }
 
@@ -196,7 +207,7 @@ async fn beside_service<T>(
             Ok(()) = finish => {}
         }
     };
-    let serving = serve::serve(settings, |address| announce.send(address).unwrap_or(()), stop);
+    let serving = serve::serve(settings, |address, _| announce.send(address).unwrap_or(()), stop);
     let working = async {
         let Some(address) = listening.recv().await else { return Ok(None) };
         let done = client(format!("http://{address}")).await;
@@ -225,7 +236,7 @@ fn evaluate_bags(teach: &TeachArgs, ask: &AskArgs, json: bool) -> anyhow::Result
         ..GivenSettings::default()
     };
     let settings = Settings::settle(given, None)?;
-    telemetry::start_logging(settings.log_format, true);
+    telemetry::start_logging(settings.log_format, true, None);
     let evaluated = runtime()?.block_on(beside_service(&settings, async |base_url: String| {
         let server = Server::at(&base_url, None, None)?;
         let mut told = std::io::stderr();

@@ -58,6 +58,8 @@ codes! {
         "List them with `GET /v1/calibrations`, or send `optics`.",
     UnknownWorkcell "unknown_workcell" 404 "There is no such workcell"
         "Describe it with `PUT /v1/workcells/{name}`, or list them with `GET /v1/workcells`.",
+    UnknownCamera "unknown_camera" 404 "There is no such camera"
+        "Keep it with `PUT /v1/cameras/{name}`, list them with `GET /v1/cameras`, or send its intrinsics.",
     UnknownJob "unknown_job" 404 "There is no such job"
         "List them with `GET /v1/jobs`.",
     UnknownTrack "unknown_track" 404 "There is no such track"

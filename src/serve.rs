@@ -20,6 +20,7 @@ use crate::compute::{Compute, ComputeError};
 use crate::config::{Limits, Role, Settings, Shared};
 use crate::connections;
 use crate::database::{Databases, ExemplarCache, Residency};
+use crate::events::Events;
 use crate::http::body::BodyBudget;
 use crate::http::{self, Estimators, Service, Tracks};
 use crate::jobs::{Jobs, Runner};
@@ -167,6 +168,7 @@ pub async fn wire(settings: &Settings, shutdown: watch::Receiver<bool>) -> Resul
         },
         estimators: Estimators::default(),
         tracks: Tracks::new(&limits),
+        events: Events::default(),
         limits,
         started_at: Timestamp::now(),
         worker,
@@ -238,6 +240,7 @@ impl Parts {
         }
         tasks.spawn(until(shutdown.clone(), collect_descriptions(service.clone())));
         tasks.spawn(until(shutdown.clone(), announce(service.clone())));
+        tasks.spawn(until(shutdown.clone(), http::events::watch(service.clone())));
         // The keys have tasks of their own: neither a version that takes long to load nor a write may delay a revocation.
         tasks.spawn(until(shutdown.clone(), refresh_keys(keyring.clone(), changes.clone())));
         tasks.spawn(until(shutdown.clone(), note_key_uses(keyring.clone())));
@@ -357,13 +360,13 @@ async fn wake_jobs(jobs: Jobs, mut changes: watch::Receiver<u64>) {
 }
 
 /// Serves until `stop` resolves; then finishes what runs and hands back the jobs. Calls `listening` with the address once
-/// the port is open.
+/// the port is open, and with what is counted.
 ///
 /// # Errors
 /// [`ServeError`]: why the service can't start, or stopped.
 pub async fn serve(
     settings: &Settings,
-    listening: impl FnOnce(SocketAddr),
+    listening: impl FnOnce(SocketAddr, &Metrics),
     stop: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let (announce, shutdown) = watch::channel(false);
@@ -383,10 +386,10 @@ pub async fn serve(
     let address = listener.local_addr().map_err(not_bound)?;
     let (service, mut background) = parts.start();
     let limits = service.limits.clone();
-    let shutdown = service.shutdown.clone();
+    let (shutdown, metrics) = (service.shutdown.clone(), Arc::clone(&service.metrics));
     let serving = connections::serve(listener, tls, http::router(service), &limits, shutdown);
     tokio::pin!(serving);
-    listening(address);
+    listening(address, &metrics);
     let stopping = async {
         stop.await;
         tracing::info!("shutting down");

@@ -22,7 +22,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("eigen", &["random", "column"]),
     ("depth", &["vision", "eigen", "imaging", "statistics"]),
     ("geometry", &[]),
-    ("localisation", &["geometry", "eigen", "imaging", "statistics", "random", "angle"]),
+    (
+        "localisation",
+        &["geometry", "recognition", "vision", "eigen", "imaging", "statistics", "random", "angle"],
+    ),
     ("recognition", &["vision", "eigen", "imaging", "angle", "statistics", "column"]),
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
     ("store", &[]),

@@ -21,12 +21,12 @@ use serde::Serialize;
 
 use super::BagError;
 use super::ask::{Answer, AnsweredPose, Vote};
+use super::contents::BagPicture;
 use super::definitions::definition;
 use super::messages::{
     CompressedImage, Header, Point, Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion, Text, Time,
     written,
 };
-use super::survey::BagPicture;
 
 /// Standard deviation of what an answer says nothing about (height, pitch and roll): larger than any robot's.
 const UNSAID_M_OR_RAD: f64 = 1e3;

@@ -12,14 +12,15 @@ use landmarkd_core::statistics::nearest_rank;
 use reqwest::Method;
 use reqwest::multipart::{Form, Part};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::answers::AnswerBag;
+use super::contents::{BagArgs, BagPicture, Contents};
 use super::labels::{LabelArgs, Labels};
-use super::survey::{BagArgs, BagPicture, Survey};
-use super::teach::{camera_document, landmarks_only, name_of};
-use super::{BagError, bar_of, read_ahead, surveyed};
+use super::teach::{landmarks_only, name_of};
+use super::{BagError, bar_of, read_ahead, read_once};
 use crate::client::{ClientError, Server};
+use crate::database::survey::CameraDocument;
 use crate::evaluate::Rate;
 
 /// Arguments of `landmarkd ask`, but for those of the service.
@@ -154,25 +155,25 @@ pub async fn ask(server: &Server, args: &AskArgs, out: &mut dyn Write) -> Result
     let path = ["databases", database.as_str()];
     let there: Value = server.json(server.call(Method::GET, &path, &[])).await?;
     landmarks_only(&database, &there)?;
-    let survey = Arc::new(surveyed(&args.recording, &args.bag, out)?);
-    let labels = Labels::of(&args.labels, &database, survey.has_poses()).ok();
+    let contents = Arc::new(read_once(&args.recording, &args.bag, out)?);
+    let labels = Labels::of(&args.labels, &database, contents.has_poses()).ok();
     let mut answers =
-        args.out.as_deref().map(|path| AnswerBag::create(path, survey.map.clone())).transpose()?;
+        args.out.as_deref().map(|path| AnswerBag::create(path, contents.map.to_string())).transpose()?;
 
     let every = args.every.get();
-    let (mut pictures, reading) = read_ahead(&survey, 0_usize, move |count, picture, read_bytes| {
+    let (mut pictures, reading) = read_ahead(&contents, 0_usize, move |count, picture, read_bytes| {
         let picture = picture.filter(|_| *count % every == 0);
         *count += 1;
         Vec::from_iter(picture.map(|picture| (picture, read_bytes)))
     });
-    let bar = bar_of(survey.bytes());
+    let bar = bar_of(contents.bytes());
     let mut judged = Vec::new();
     let mut summary = AskSummary::default();
     while let Some((picture, read_bytes)) = pictures.recv().await {
         bar.set_position(read_bytes);
-        match asked_about(server, args, &survey, &picture).await {
+        match asked_about(server, args, &contents, &picture).await {
             Ok((file, answer, drawn)) => {
-                judged.push(Judged::of(&picture, &answer, labels.as_ref(), &survey));
+                judged.push(Judged::of(&picture, &answer, labels.as_ref(), &contents));
                 if let Some(answers) = &mut answers {
                     answers.add(&picture, file, &answer, drawn.as_deref())?;
                 }
@@ -188,7 +189,7 @@ pub async fn ask(server: &Server, args: &AskArgs, out: &mut dyn Write) -> Result
     reading.await.expect("reading doesn't panic")?;
     if judged.is_empty() {
         return Err(BagError::NoPictures {
-            topic: survey.image_topic.clone(),
+            topic: contents.image_topic.clone(),
             reason: summary.first_reason.unwrap_or_else(|| "there is none".to_owned()),
         });
     }
@@ -209,7 +210,7 @@ enum NotAsked {
 async fn asked_about<'a>(
     server: &Server,
     args: &AskArgs,
-    survey: &Survey,
+    contents: &Contents,
     picture: &'a BagPicture,
 ) -> Result<(&'a [u8], Answer, Option<Vec<u8>>), NotAsked> {
     let file = picture.file.as_deref().map_err(|reason| NotAsked::Unreadable(reason.clone()))?;
@@ -220,8 +221,8 @@ async fn asked_about<'a>(
     };
     let call = || {
         let mut form = Form::new();
-        if let Some(camera) = &survey.camera {
-            form = form.text("camera", camera_document(camera).to_string());
+        if let Some(camera) = &contents.camera {
+            form = form.text("camera", json!(CameraDocument::from(camera)).to_string());
         }
         let form = form.part("image", Part::bytes(file.to_vec()).file_name("frame"));
         let path = ["databases", args.database.as_str(), "recognitions"];
@@ -236,14 +237,14 @@ async fn asked_about<'a>(
 }
 
 impl Judged {
-    fn of(picture: &BagPicture, answer: &Answer, labels: Option<&Labels>, survey: &Survey) -> Judged {
+    fn of(picture: &BagPicture, answer: &Answer, labels: Option<&Labels>, contents: &Contents) -> Judged {
         let shown = labels.and_then(|labels| Some((labels, labels.label(picture.pose.as_ref())?)));
         let decided = answer.decision.as_ref().map(|decision| decision.label.as_str());
         let agrees = |agree: &dyn Fn(&Labels, &str, &str) -> bool| match (&shown, decided) {
             (Some((labels, shown)), Some(decided)) => Some(agree(labels, shown, decided)),
             _ => None,
         };
-        let answered_pose = answer.pose.as_ref().filter(|answered| answered.map == survey.map);
+        let answered_pose = answer.pose.as_ref().filter(|answered| answered.map == contents.map.as_str());
         Judged {
             answered: decided.is_some(),
             right: agrees(&|_, shown, decided| shown == decided),

@@ -5,10 +5,10 @@ use std::num::NonZeroUsize;
 use clap::Args;
 
 use super::ask::AskArgs;
+use super::contents::BagArgs;
 use super::labels::LabelArgs;
 use super::recording::Recording;
 use super::selection::SelectionArgs;
-use super::survey::BagArgs;
 use super::teach::TeachArgs;
 use crate::evaluate::EvaluateArgs;
 

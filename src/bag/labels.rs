@@ -4,7 +4,7 @@ use clap::Args;
 use landmarkd_core::geometry::MapPose;
 
 use super::BagError;
-use super::survey::positive;
+use super::contents::positive;
 use crate::database::Name;
 
 /// How pictures are labelled.

@@ -1,12 +1,13 @@
 //! Bags: what a robot recorded (MCAP, ROS 2), and the verbs that teach a service from it (`teach`) and ask one about it
 //! (`ask`), both through the HTTP contract.
 //!
-//! [`Recording`] is the file, `messages` the types in it, [`TransformTree`] where its frames stand, [`Survey`] what its pictures
+//! [`Recording`] is the file, `messages` the types in it, [`TransformTree`] where its frames stand, [`Contents`] what its pictures
 //! and poses are; `selection` leaves out the pictures that teach nothing; `answers` writes a bag of answers. Frames are
 //! those of REP 103 and REP 105, times those of the messages' own stamps.
 
 mod answers;
 mod ask;
+mod contents;
 mod definitions;
 mod evaluation;
 mod labels;
@@ -14,7 +15,6 @@ mod messages;
 mod raw_image;
 mod recording;
 mod selection;
-mod survey;
 mod teach;
 mod transform_tree;
 
@@ -29,15 +29,15 @@ use tokio::sync::mpsc;
 use tokio::task::{JoinHandle, spawn_blocking};
 
 use crate::client::{ClientError, Server};
+use contents::{BagPicture, Contents};
 use messages::MessageError;
-use survey::{BagPicture, Survey};
 
 pub use ask::{AskArgs, AskSummary, PositionErrors, ask};
+pub use contents::BagArgs;
 pub use evaluation::BagEvaluationArgs;
 pub use labels::LabelArgs;
 pub use recording::Recording;
 pub use selection::SelectionArgs;
-pub use survey::BagArgs;
 pub use teach::{TeachArgs, TeachSummary, teach};
 
 /// Which service is called.
@@ -160,7 +160,7 @@ pub enum BagError {
     )]
     NoLabels,
     /// A call went wrong; what was sent before is kept, and isn't sent twice.
-    #[error("{source}; what was sent is kept, and running this again goes on")]
+    #[error("the service doesn't go along (what was sent before is kept, and isn't sent twice)")]
     Client {
         /// The cause.
         #[from]
@@ -180,43 +180,43 @@ pub enum BagError {
 }
 
 /// Reads a bag the first time, with a progress bar, and prints what it holds.
-fn surveyed(path: &Path, args: &BagArgs, out: &mut dyn io::Write) -> Result<Survey, BagError> {
+fn read_once(path: &Path, args: &BagArgs, out: &mut dyn io::Write) -> Result<Contents, BagError> {
     let bar = bar_of(0);
-    let survey = Survey::of(path, args, &mut |done, all| {
+    let contents = Contents::of(path, args, &mut |done, all| {
         bar.set_length(all);
         bar.set_position(done);
     });
     bar.finish_and_clear();
-    let survey = survey?;
-    let [first_ns, last_ns] = survey.span_ns;
+    let contents = contents?;
+    let [first_ns, last_ns] = contents.span_ns;
     writeln!(
         out,
         "{}: {} pictures on {} ({}), {:.1} s",
         path.display(),
-        survey.pictures,
-        survey.image_topic,
-        survey.image_type,
+        contents.pictures,
+        contents.image_topic,
+        contents.image_type,
         (last_ns - first_ns) as f64 / 1e9
     )?;
-    for note in &survey.notes {
+    for note in &contents.notes {
         writeln!(out, "  {note}")?;
     }
     for (count, what) in [
         (
-            survey.late_pictures,
+            contents.late_pictures,
             "pictures came after one of a later stamp; each has the pose of its own stamp",
         ),
-        (survey.late_poses, "poses came after one of a later stamp, and were brought into order"),
-        (survey.unstamped, "pictures have no stamp of their own: the time of recording stands in"),
+        (contents.late_poses, "poses came after one of a later stamp, and were brought into order"),
+        (contents.unstamped, "pictures have no stamp of their own: the time of recording stands in"),
     ] {
         if count > 0 {
             writeln!(out, "  {count} {what}")?;
         }
     }
-    for loss in &survey.losses {
+    for loss in &contents.losses {
         writeln!(out, "  damaged: {loss}")?;
     }
-    Ok(survey)
+    Ok(contents)
 }
 
 /// A bar of so many bytes; hidden without a terminal, so that a log holds the result alone.
@@ -233,21 +233,21 @@ const PICTURES_AHEAD: usize = 4;
 /// bag's end (`None`), what is sent; `state` is its own, and comes back when the bag was read. Ends early when nobody
 /// receives any more.
 fn read_ahead<S: Send + 'static, T: Send + 'static>(
-    survey: &Arc<Survey>,
+    contents: &Arc<Contents>,
     mut state: S,
     mut take: impl FnMut(&mut S, Option<BagPicture>, u64) -> Vec<T> + Send + 'static,
 ) -> (mpsc::Receiver<T>, JoinHandle<Result<S, BagError>>) {
     let (sender, receiver) = mpsc::channel(PICTURES_AHEAD);
-    let survey = Arc::clone(survey);
+    let contents = Arc::clone(contents);
     let reading = spawn_blocking(move || {
         let send_all = |taken: Vec<T>| taken.into_iter().all(|one| sender.blocking_send(one).is_ok());
         let mut received = true;
-        survey.each_picture(|picture, read_bytes| {
+        contents.each_picture(|picture, read_bytes| {
             received = send_all(take(&mut state, Some(picture), read_bytes));
             received
         })?;
         if received {
-            send_all(take(&mut state, None, survey.bytes()));
+            send_all(take(&mut state, None, contents.bytes()));
         }
         Ok(state)
     });

@@ -6,8 +6,8 @@ use clap::Args;
 use landmarkd_core::geometry::MapPose;
 use landmarkd_core::imaging::{DecodeLimits, Image, decode_reduced};
 
+use super::contents::{BagPicture, positive};
 use super::labels::Labels;
-use super::survey::{BagPicture, positive};
 
 /// Sharpness is measured on pictures of this length at most: finer detail is noise and compression.
 const SHARPNESS_SIDE_PX: usize = 640;

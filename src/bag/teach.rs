@@ -6,18 +6,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use landmarkd_core::geometry::{Camera, MapPose};
+use landmarkd_core::geometry::MapPose;
 use reqwest::Method;
 use reqwest::multipart::{Form, Part};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use super::contents::{BagArgs, Contents};
 use super::labels::{LabelArgs, Labels};
 use super::selection::{Chosen, LeftOut, Selection, SelectionArgs};
-use super::survey::{BagArgs, Survey};
-use super::{BagError, bar_of, read_ahead, surveyed};
+use super::{BagError, bar_of, read_ahead, read_once};
 use crate::client::Server;
 use crate::database::Name;
+use crate::database::survey::{CameraDocument, MapPoseDocument, Survey};
 use crate::evaluate::read_pair;
 
 /// Pictures and bytes of one call: a call is answered within seconds, and what it brought is kept.
@@ -97,16 +98,16 @@ struct Verdict {
 /// [`BagError`]. What was sent before is kept, and isn't sent twice.
 pub async fn teach(server: &Server, args: &TeachArgs, out: &mut dyn Write) -> Result<TeachSummary, BagError> {
     let database = name_of(&args.database)?;
-    let mut surveys = Vec::new();
+    let mut bags = Vec::new();
     for bag in &args.bags {
-        let survey = surveyed(bag, &args.bag, out)?;
-        let labels = Labels::of(&args.labels, &database, survey.has_poses())?;
-        surveys.push((bag, Arc::new(survey), labels));
+        let contents = read_once(bag, &args.bag, out)?;
+        let labels = Labels::of(&args.labels, &database, contents.has_poses())?;
+        bags.push((bag, Arc::new(contents), labels));
     }
     make_database(server, &database, &args.options).await?;
     let mut summary = TeachSummary::default();
-    for (bag, survey, labels) in surveys {
-        teach_bag(server, args, (bag, &survey, labels), &mut summary, out).await?;
+    for (bag, contents, labels) in bags {
+        teach_bag(server, args, (bag, &contents, labels), &mut summary, out).await?;
     }
     let TeachSummary { created, duplicates, rejected, .. } = summary;
     writeln!(
@@ -173,22 +174,22 @@ pub fn landmarks_only(database: &Name, document: &Value) -> Result<(), BagError>
 async fn teach_bag(
     server: &Server,
     args: &TeachArgs,
-    (bag, survey, labels): (&Path, &Arc<Survey>, Labels),
+    (bag, contents, labels): (&Path, &Arc<Contents>, Labels),
     summary: &mut TeachSummary,
     out: &mut dyn Write,
 ) -> Result<(), BagError> {
     let selection = Selection::new(&args.selection, labels);
     let (mut pictures, reading) =
-        read_ahead(survey, selection, |selection, picture, read_bytes| match picture {
+        read_ahead(contents, selection, |selection, picture, read_bytes| match picture {
             Some(picture) => Vec::from_iter(selection.next(picture, read_bytes)),
             None => selection.rest(),
         });
-    let bar = bar_of(survey.bytes());
+    let bar = bar_of(contents.bytes());
     let mut batch = Batch::default();
     let mut sent = 0;
     while let Some(picture) = pictures.recv().await {
         bar.set_position(picture.read_bytes);
-        batch.add(picture, survey);
+        batch.add(picture, contents);
         if batch.is_full() {
             sent += std::mem::take(&mut batch).send(server, &args.database, summary, out).await?;
             bar.set_message(format!("{sent} sent"));
@@ -210,14 +211,14 @@ async fn teach_bag(
         writeln!(out, "  can't be read: {reason}")?;
     }
     if without_pose > 0
-        && let Some(trouble) = survey.pose_trouble()
+        && let Some(trouble) = contents.pose_trouble()
     {
         writeln!(out, "  without a pose: {trouble}")?;
     }
     if sent == 0 {
-        let reason = first_reason.or_else(|| survey.pose_trouble());
+        let reason = first_reason.or_else(|| contents.pose_trouble());
         return Err(BagError::NoPictures {
-            topic: survey.image_topic.clone(),
+            topic: contents.image_topic.clone(),
             reason: reason.unwrap_or_else(|| format!("{without_pose} have no pose, {blurred} are blurred")),
         });
     }
@@ -227,28 +228,33 @@ async fn teach_bag(
 /// Refused pictures that are told of one by one.
 const MOST_TOLD: usize = 5;
 
+/// A line of the manifest of a batch.
+#[derive(Serialize)]
+struct ManifestLine {
+    file: String,
+    label: String,
+    #[serde(flatten)]
+    survey: Survey,
+}
+
 /// The pictures of one call.
 #[derive(Default)]
 struct Batch {
-    lines: Vec<Value>,
+    lines: Vec<ManifestLine>,
     files: Vec<(String, Vec<u8>)>,
     bytes: usize,
 }
 
 impl Batch {
-    fn add(&mut self, picture: Chosen, survey: &Survey) {
+    fn add(&mut self, picture: Chosen, contents: &Contents) {
         let Chosen { stamp_ns, label, file, pose, .. } = picture;
         let name =
             format!("{}.{:09}", stamp_ns.div_euclid(1_000_000_000), stamp_ns.rem_euclid(1_000_000_000));
-        let mut line = json!({"file": name, "label": label});
-        if let Some(pose) = pose {
-            line["pose"] = pose_document(&survey.map, &pose);
-            if let Some(camera) = &survey.camera {
-                line["camera"] = camera_document(camera);
-            }
-        }
+        let pose = pose.map(|pose| document_of(&pose, &contents.map));
+        let camera = contents.camera.as_ref().filter(|_| pose.is_some()).map(CameraDocument::from);
+        let survey = Survey { pose, camera, size_mm: None };
         self.bytes += file.len();
-        self.lines.push(line);
+        self.lines.push(ManifestLine { file: name.clone(), label, survey });
         self.files.push((name, file));
     }
 
@@ -264,7 +270,7 @@ impl Batch {
         summary: &mut TeachSummary,
         out: &mut dyn Write,
     ) -> Result<usize, BagError> {
-        let mut form = Form::new().text("manifest", Value::from(self.lines).to_string());
+        let mut form = Form::new().text("manifest", json!(self.lines).to_string());
         for (name, file) in self.files {
             form = form.part(name.clone(), Part::bytes(file).file_name(name));
         }
@@ -285,18 +291,8 @@ impl Batch {
 }
 
 /// A pose as the wire has it.
-fn pose_document(map: &str, pose: &MapPose) -> Value {
-    let MapPose { x_m, y_m, z_m, yaw_deg, pitch_deg, roll_deg } = pose;
-    json!({
-        "map": map, "x_m": x_m, "y_m": y_m, "z_m": z_m, "yaw_deg": yaw_deg, "pitch_deg": pitch_deg, "roll_deg": roll_deg
-    })
-}
-
-/// Intrinsics as the wire has them.
-pub fn camera_document(camera: &Camera) -> Value {
-    let Camera { fx, fy, cx, cy, distortion: [k1, k2, p1, p2, k3], width_px, height_px } = camera;
-    json!({
-        "fx": fx, "fy": fy, "cx": cx, "cy": cy, "k1": k1, "k2": k2, "p1": p1, "p2": p2, "k3": k3,
-        "width_px": width_px, "height_px": height_px
-    })
+fn document_of(pose: &MapPose, map: &Name) -> MapPoseDocument {
+    let MapPose { x_m, y_m, z_m, yaw_deg, pitch_deg, roll_deg } = *pose;
+    let (map, sigma_m) = (map.clone(), MapPoseDocument::DEFAULT_SIGMA_M);
+    MapPoseDocument { map, x_m, y_m, z_m, yaw_deg, pitch_deg, roll_deg, sigma_m }
 }

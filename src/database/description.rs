@@ -149,6 +149,7 @@ mod tests {
             label: "hall".into(),
             negative: false,
             pose_deg: None,
+            survey: None,
             width_px: 160,
             height_px: 120,
             bytes: 1,

@@ -86,6 +86,30 @@ pub enum DatabaseError {
         #[source]
         source: UnreadableWorkcell,
     },
+    /// No camera has that name.
+    #[error("there is no camera {camera}")]
+    UnknownCamera {
+        /// The name that was asked for.
+        camera: String,
+    },
+    /// The camera's document isn't one of this release.
+    #[error("camera {camera} can't be read back")]
+    UnreadableCamera {
+        /// The camera's name.
+        camera: String,
+        /// What is wrong with the document.
+        #[source]
+        source: serde_json::Error,
+    },
+    /// The survey of an exemplar isn't one of this release.
+    #[error("the survey of exemplar {exemplar} can't be read back")]
+    UnreadableSurvey {
+        /// The exemplar's id.
+        exemplar: String,
+        /// What is wrong with the document.
+        #[source]
+        source: serde_json::Error,
+    },
     /// The call needs a database of another kind.
     #[error("database {database} is of kind {kind}, not of kind {wanted}")]
     WrongKind {

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name};
+use super::{DatabaseError, Databases, ExemplarFilter, ExemplarRow, Name, Survey};
 use crate::store::{Actor, BlobName, CatalogueError};
 
 /// What the robot says about its frame, as an answer echoes it.
@@ -32,6 +32,7 @@ pub struct FrameHeader {
 pub struct NewExemplar {
     label: Option<Name>,
     pose_deg: Option<f64>,
+    survey: Survey,
     bytes: Bytes,
     media_type: &'static str,
     size_px: (u32, u32),
@@ -45,13 +46,14 @@ impl NewExemplar {
     pub fn of(
         label: Option<Name>,
         pose_deg: Option<f64>,
+        survey: Survey,
         bytes: Bytes,
         media_type: &'static str,
         size_px: (u32, u32),
         header: FrameHeader,
     ) -> Self {
         let sha256 = sha256_hex(&bytes);
-        Self { label, pose_deg, bytes, media_type, size_px, header, sha256 }
+        Self { label, pose_deg, survey, bytes, media_type, size_px, header, sha256 }
     }
 }
 
@@ -72,7 +74,7 @@ fn sha256_hex(bytes: &[u8]) -> String {
 
 impl Databases {
     /// Keeps a training image: its bytes first, then its row; `true` when it is new. The same bytes with the same
-    /// label and pose again give the exemplar that is there.
+    /// label and turntable pose again give the exemplar that is there, with the new survey if there is any.
     ///
     /// # Errors
     /// [`DatabaseError::UnknownDatabase`], or the error of a store that is unavailable.
@@ -90,6 +92,7 @@ impl Databases {
             negative: new.label.is_none(),
             label: new.label.map_or_else(String::new, |label| label.to_string()),
             pose_deg: new.pose_deg,
+            survey: new.survey.to_document(),
             width_px: new.size_px.0,
             height_px: new.size_px.1,
             bytes,

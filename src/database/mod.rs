@@ -1,5 +1,5 @@
 //! Databases: names, exemplars, options, versions, aliases; the registry of loaded versions; the artifact format.
-//! Calibrations of depth rigs and workcells stand beside them.
+//! Calibrations of depth rigs, cameras and workcells stand beside them.
 //!
 //! Callers use [`Databases`]. It writes in the order of the protocol: the blob, then its row, then the alias. Plain
 //! records (`ExemplarRow`, `VersionRow`, …) are the catalogue's rows themselves. Options, reports and the parts of a
@@ -9,6 +9,7 @@
 
 pub mod artifact;
 pub(crate) mod calibrations;
+mod cameras;
 pub(crate) mod description;
 mod error;
 mod exemplar;
@@ -19,6 +20,7 @@ mod name;
 pub mod options;
 pub mod registry;
 mod report;
+pub(crate) mod survey;
 mod verification;
 mod version;
 pub(crate) mod words;
@@ -28,6 +30,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub use calibrations::{DepthMethodWord, PictureBlob, Rig, UnreadableCalibration};
+pub use cameras::KeptCamera;
 pub use error::DatabaseError;
 pub use exemplar::{FrameHeader, NewExemplar};
 pub use fleet::Process;
@@ -40,6 +43,7 @@ pub(crate) use report::{
     DescriptionsReport, GrownReport, LandmarkReport, ObjectsReport, ReliabilityReport, Report,
     TrainingTimings, VerdictReport,
 };
+pub use survey::Survey;
 pub use verification::{Verification, verify};
 pub use version::{grown_digest, inputs_digest};
 pub use workcells::{KeptWorkcell, UnreadableWorkcell, WorkcellSetup};

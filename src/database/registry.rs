@@ -18,6 +18,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use super::artifact::outline::{self, ExemplarPlace, OutlineHeader};
 use super::artifact::{self, Artifact, ArtifactError};
 use super::kept_exemplars::{ExemplarCache, KeptExemplars, ReadExemplars};
+use super::survey::Surveys;
 use super::{CURRENT, DatabaseError, Databases, Model, Name, VersionRow};
 use crate::compute::{Compute, Lane};
 use crate::store::{AliasTarget, BlobError, BlobName, Blobs, Catalogue, InvalidBlobName};
@@ -33,6 +34,8 @@ pub struct LoadedVersion {
     pub digest: String,
     /// What it recognises with.
     pub model: Model,
+    /// Where its exemplars were taken.
+    pub surveys: Surveys,
     /// Where the windows of its exemplars are; `None`: in the model.
     pub kept: Option<KeptExemplars>,
     /// Memory that the model holds, in bytes.
@@ -337,14 +340,14 @@ impl Registry {
             }
             Err(error) => return Err(error),
         };
-        let Artifact { digest: found, model, .. } = artifact;
+        let Artifact { digest: found, model, surveys, .. } = artifact;
         if found != digest {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
         let kept = KeptExemplars::new(self.blobs.clone(), name, places, Arc::clone(&self.residency.cache));
         let bytes = model.bytes() + kept.bytes();
         let (database, kept) = (database.into(), Some(kept));
-        Ok(Arc::new(LoadedVersion { database, version, digest: found, model, kept, bytes }))
+        Ok(Arc::new(LoadedVersion { database, version, digest: found, model, surveys, kept, bytes }))
     }
 
     /// Reads an artifact without its windows; `None` if it has none that can be read by themselves.
@@ -403,15 +406,15 @@ impl Registry {
         };
         let read = self.compute.run(Lane::Maintenance, 0, move || {
             let artifact = artifact::read(bytes)?;
-            Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model))
+            Ok::<_, artifact::ArtifactError>((artifact.digest, artifact.model, artifact.surveys))
         });
-        let (found, model) = read.await?.0.map_err(|error| unloadable(chain(&error)))?;
+        let (found, model, surveys) = read.await?.0.map_err(|error| unloadable(chain(&error)))?;
         if found != digest {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
         let bytes = model.bytes();
-        let kept = None;
-        Ok(Arc::new(LoadedVersion { database: database.into(), version, digest: found, model, kept, bytes }))
+        let (database, kept) = (database.into(), None);
+        Ok(Arc::new(LoadedVersion { database, version, digest: found, model, surveys, kept, bytes }))
     }
 
     /// What to do about a version whose artifact is lost, for people.

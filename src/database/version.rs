@@ -17,7 +17,8 @@ pub fn inputs_digest(kind: Kind, options_document: &str, exemplars: &[ExemplarRo
             let pose = row.pose_deg.map_or_else(|| "-".into(), |pose| pose.to_string());
             // no label is "-": names begin with a letter or a digit
             let label = if row.negative { "-" } else { &row.label };
-            format!("{} {label} {pose}", row.sha256)
+            let survey = row.survey.as_ref().map_or_else(String::new, |survey| format!(" {survey}"));
+            format!("{} {label} {pose}{survey}", row.sha256)
         })
         .collect();
     lines.sort_unstable();
@@ -155,6 +156,7 @@ mod tests {
             label: label.into(),
             negative: label.is_empty(),
             pose_deg,
+            survey: None,
             width_px: 1,
             height_px: 1,
             bytes: 1,
@@ -178,6 +180,11 @@ mod tests {
             inputs_digest(Kind::Landmarks, "{}", std::slice::from_ref(&a)),
             inputs_digest(Kind::Landmarks, "{}", &[a.clone(), row("cup", "11", Some(6.0))]),
             inputs_digest(Kind::Landmarks, "{}", &[row("", "00", None), b.clone()]),
+            inputs_digest(
+                Kind::Landmarks,
+                "{}",
+                &[ExemplarRow { survey: Some("{}".into()), ..a.clone() }, b.clone()],
+            ),
             inputs_digest(Kind::Landmarks, "{}", &[row("can", "00", None), b]),
         ] {
             assert_ne!(digest, other);

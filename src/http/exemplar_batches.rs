@@ -17,12 +17,16 @@ use tokio_util::io::StreamReader;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::exemplars::{self, label_or_negative, pose};
+use super::cameras::CameraReference;
+use super::exemplars::{self, Description, label_or_negative, pose, surveyable};
 use super::extract::{MAX_JSON_BYTES, Path, essence, from_json};
 use super::paths::DatabasePath;
+use super::pose_table::{self, FILE_NAME, PoseTable};
 use super::problem::{Code, Problem, ProblemBody};
+use super::surveys::{SurveyIn, camera_for};
 use super::uploads::{Form, Picture, RobotHeader, too_many_parts};
 use super::{Service, body};
+use crate::database::survey::MapPoseDocument;
 use crate::database::{DatabaseRow, FrameHeader, Name};
 
 /// One line of a batch's manifest.
@@ -41,6 +45,12 @@ pub struct ManifestLine {
     #[serde(default)]
     #[schema(default = false)]
     pub negative: bool,
+    /// Where the camera was; with `size_mm` where the flat thing is. Of landmarks.
+    pub pose: Option<MapPoseDocument>,
+    /// The camera that took it.
+    pub camera: Option<CameraReference>,
+    /// Width of the picture on the plane that it shows.
+    pub size_mm: Option<f64>,
 }
 
 /// A form with a manifest and one file part for each of its files.
@@ -104,8 +114,10 @@ impl BatchBody {
 }
 
 /// Add many training images: a form with a part `manifest` and then one part named as each file, or a tar archive of
-/// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the pose); pictures that show nothing known stand in
-/// a folder `_negative`.
+/// `<label>/<anything>.png|jpg` (a leaf name `…__<degrees>.<ext>` gives the turntable pose); pictures that show nothing known
+/// stand in a folder `_negative`. A file `poses.csv` in the archive says where they were taken: a header line, then a line a
+/// picture, of the columns `file` (its path beside the table), `map`, `x_m`, `y_m`, `z_m`, `yaw_deg`, `pitch_deg`, `roll_deg`,
+/// `sigma_m`, `size_mm` and `camera` (the name of a kept one); which may be left out but `file`.
 #[utoipa::path(
     post, operation_id = "add_exemplar_batch",
     path = "/v1/databases/{database}/exemplars:batch", tag = "databases", security(("key" = ["contribute"])), params(DatabasePath),
@@ -150,17 +162,30 @@ impl Batch<'_> {
         label: Option<&str>,
         negative: bool,
         pose_deg: Option<f64>,
+        survey: SurveyIn,
         bytes: Bytes,
     ) -> Result<(Uuid, bool), Problem> {
         let wrong = |label, error| Problem::field("/label", format!("{label:?} {error}"));
         let label = label.map(|label| Name::parse(label).map_err(|error| wrong(label, error))).transpose()?;
         let pose_deg = pose(pose_deg, "/pose_deg")?;
         let label = label_or_negative(&self.row, label, negative, pose_deg, "/")?;
+        let survey = surveyable(&self.row, survey.resolved(self.service, "/").await?, negative, "/")?;
         let picture = Picture::of(bytes, &self.service.decode)?;
-        let header = self.header.clone();
-        let kept = exemplars::keep(self.service, self.database, label, pose_deg, &picture, header);
+        let description = Description { label, pose_deg, survey, header: self.header.clone() };
+        let kept = exemplars::keep(self.service, self.database, description, &picture, "/");
         let (row, created) = kept.await?;
         Ok((row.id, created))
+    }
+
+    /// Keeps what a table that came after its picture says of it.
+    async fn survey(&self, id: Uuid, survey: SurveyIn) -> Result<(), Problem> {
+        let row = self.service.databases.exemplar(self.database, id).await?;
+        let survey = surveyable(&self.row, survey.resolved(self.service, "/").await?, row.negative, "/")?;
+        if let Some(camera) = &survey.camera {
+            camera_for(camera, (row.width_px, row.height_px), "/camera")?;
+        }
+        self.service.databases.set_survey(self.database, id, &survey).await?;
+        Ok(())
     }
 
     async fn form(&self, request: Request) -> Result<BatchBody, Problem> {
@@ -228,7 +253,11 @@ impl Batch<'_> {
         };
         for line in lines {
             let outcome = match read.clone() {
-                Ok(bytes) => self.keep(line.label.as_deref(), line.negative, line.pose_deg, bytes).await,
+                Ok(bytes) => {
+                    let ManifestLine { pose, camera, size_mm, .. } = (*line).clone();
+                    let survey = SurveyIn { pose, camera, size_mm };
+                    self.keep(line.label.as_deref(), line.negative, line.pose_deg, survey, bytes).await
+                }
                 Err(problem) => Err(problem),
             };
             answer.note(name.into(), outcome)?;
@@ -245,7 +274,7 @@ impl Batch<'_> {
         // Raw entries: long names come as entries of their own, which are read here under a limit.
         let mut entries = archive.entries_raw().map_err(|error| self.broken_archive(&error))?;
         let mut long_name = None;
-        let mut answer = BatchBody::default();
+        let (mut answer, mut table) = (BatchBody::default(), PoseTable::default());
         while let Some(entry) = body::in_time(limits.body_timeout, entries.next()).await? {
             let mut entry = entry.map_err(|error| self.broken_archive(&error))?;
             let kind = entry.header().entry_type();
@@ -255,10 +284,32 @@ impl Batch<'_> {
             }
             let name = long_name.take();
             if kind.is_file() {
-                self.tar_file(&mut entry, name, &mut answer).await?;
+                self.tar_file(&mut entry, name, &mut table, &mut answer).await?;
             }
         }
+        self.survey_rest(table, &mut answer).await?;
         Ok(answer)
+    }
+
+    /// What the table says of pictures that came before it, or of none.
+    async fn survey_rest(&self, table: PoseTable, answer: &mut BatchBody) -> Result<(), Problem> {
+        let kept = answer.items.iter().filter_map(|item| Some((PathBuf::from(&item.file), item.id?)));
+        let kept: HashMap<PathBuf, Uuid> = kept.map(|(file, id)| (pose_table::plain(&file), id)).collect();
+        let rejected: HashSet<PathBuf> = (answer.items.iter().filter(|item| item.id.is_none()))
+            .map(|item| pose_table::plain(FilePath::new(&item.file)))
+            .collect();
+        for (file, survey) in table.rest() {
+            let outcome = match kept.get(&file) {
+                Some(id) => self.survey(*id, survey).await,
+                // what is wrong with the picture is said already
+                None if rejected.contains(&file) => Ok(()),
+                None => Err(Problem::field("/file", format!("{FILE_NAME} names a picture that isn't there"))),
+            };
+            if let Err(problem) = outcome {
+                answer.note(file.to_string_lossy().into_owned(), Err(problem))?;
+            }
+        }
+        Ok(())
     }
 
     async fn long_name<R: AsyncRead + Unpin>(&self, entry: &mut Entry<R>) -> Result<Option<String>, Problem> {
@@ -274,6 +325,7 @@ impl Batch<'_> {
         &self,
         entry: &mut Entry<R>,
         name: Option<String>,
+        table: &mut PoseTable,
         answer: &mut BatchBody,
     ) -> Result<(), Problem> {
         let limits = &self.service.limits;
@@ -285,6 +337,13 @@ impl Batch<'_> {
             None => entry.path().map_err(|error| self.broken_archive(&error))?.into_owned(),
         };
         let file = path.to_string_lossy().into_owned();
+        if path.file_name().is_some_and(|name| name == FILE_NAME) {
+            let read = match self.entry_bytes(entry, MAX_TABLE_BYTES).await? {
+                Some(bytes) => table.read(&path, &bytes),
+                None => Err(body::too_large(MAX_TABLE_BYTES)),
+            };
+            return read.or_else(|problem| answer.note(file, Err(problem)));
+        }
         let Some((label, pose_deg)) = label_and_pose(&path) else {
             let problem = Problem::field("/file", format!("{file:?} is not <label>/<picture>"));
             return answer.note(file, Err(problem));
@@ -293,7 +352,7 @@ impl Batch<'_> {
         let negative = path.parent().is_some_and(is_negative);
         let (label, pose_deg) = (Some(label).filter(|_| !negative), pose_deg.filter(|_| !negative));
         let outcome = match self.entry_bytes(entry, limits.max_body_bytes).await? {
-            Some(bytes) => self.keep(label.as_deref(), negative, pose_deg, bytes).await,
+            Some(bytes) => self.keep(label.as_deref(), negative, pose_deg, table.take(&path), bytes).await,
             None => Err(body::too_large(limits.max_body_bytes)),
         };
         answer.note(file, outcome)
@@ -323,6 +382,8 @@ impl Batch<'_> {
 /// The folder of pictures that show nothing known; no label begins so.
 const NEGATIVE_FOLDER: &str = "_negative";
 
+/// Largest table of poses: some thirty thousand lines.
+const MAX_TABLE_BYTES: u64 = 4 << 20;
 /// Longest file name in an archive.
 const MAX_TAR_NAME_BYTES: u64 = 64 << 10;
 

@@ -6,20 +6,26 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
+use super::cameras::CameraReference;
 use super::databases::read_options;
-use super::extract::{Path, Query};
+use super::extract::{Json as JsonIn, Path, Query, from_value};
 use super::pages::{Page, Paging};
 use super::paths::DatabasePath;
-use super::problem::Problem;
+use super::problem::{FieldError, Problem};
+use super::surveys::{self, SurveyIn, SurveyPatch, camera_for};
 use super::uploads::{OnePicture, Picture, RobotHeader};
 use super::{Service, put_status};
 use crate::access::Caller;
 use crate::compute::Lane;
-use crate::database::{DatabaseRow, ExemplarFilter, ExemplarRow, FrameHeader, Name, NewExemplar};
-use landmarkd_core::imaging::{self, DecodeError};
+use crate::database::survey::{CameraDocument, MapPoseDocument};
+use crate::database::{
+    DatabaseError, DatabaseRow, ExemplarFilter, ExemplarRow, FrameHeader, Kind, Name, NewExemplar, Survey,
+};
+use landmarkd_core::imaging;
 
 /// The exemplar that a call is about.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -47,6 +53,59 @@ pub struct LabelQuery {
     /// is to be recognised. What looks like it is background.
     #[param(default = false)]
     pub negative: Option<bool>,
+    /// The map that `x_m`, `y_m` and `yaw_deg` are of, which then all are given: where the camera was, or with `size_mm`
+    /// where the flat thing is. Of landmarks.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub map: Option<Name>,
+    pub x_m: Option<f64>,
+    pub y_m: Option<f64>,
+    /// Height.
+    pub z_m: Option<f64>,
+    /// Heading, counter-clockwise from the map's x axis.
+    pub yaw_deg: Option<f64>,
+    /// Positive when it looks down.
+    pub pitch_deg: Option<f64>,
+    /// Positive when its left side rises.
+    pub roll_deg: Option<f64>,
+    /// Standard deviation of the position.
+    #[param(default = 0.05)]
+    pub sigma_m: Option<f64>,
+    /// Width of the picture on the plane that it shows: of something flat, such as a poster.
+    pub size_mm: Option<f64>,
+    /// The name of a kept camera that took the picture. A form has its intrinsics, or a name, as the part `camera`.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub camera: Option<Name>,
+}
+
+impl LabelQuery {
+    /// What the query says about where the picture was taken.
+    ///
+    /// # Errors
+    /// A pose without one of the members that it must have.
+    fn survey(&self) -> Result<SurveyIn, Problem> {
+        let given = |name: &str, value: Option<f64>| value.map(|value| (name.to_owned(), value.into()));
+        let mut pose: Map<String, Value> = [
+            ("x_m", self.x_m),
+            ("y_m", self.y_m),
+            ("z_m", self.z_m),
+            ("yaw_deg", self.yaw_deg),
+            ("pitch_deg", self.pitch_deg),
+            ("roll_deg", self.roll_deg),
+            ("sigma_m", self.sigma_m),
+        ]
+        .into_iter()
+        .filter_map(|(name, value)| given(name, value))
+        .collect();
+        pose.extend(self.map.iter().map(|map| ("map".to_owned(), map.as_str().into())));
+        let pose = match pose.is_empty() {
+            true => None,
+            false => Some(from_value(Value::Object(pose)).map_err(|fault| {
+                Problem::field(format!("#{}", fault.pointer.trim_start_matches('/')), fault.detail)
+            })?),
+        };
+        let camera = self.camera.as_ref().map(|name| CameraReference::Name(name.to_string()));
+        Ok(SurveyIn { pose, camera, size_mm: self.size_mm })
+    }
 }
 
 /// Which exemplars are meant.
@@ -97,6 +156,15 @@ pub struct ExemplarBody {
     /// Whether it shows nothing known.
     pub negative: bool,
     pub pose_deg: Option<f64>,
+    /// Where the camera was; with `size_mm` where the flat thing is.
+    #[schema(required = false)]
+    pub pose: Option<MapPoseDocument>,
+    /// The camera that took it.
+    #[schema(required = false)]
+    pub camera: Option<CameraDocument>,
+    /// Width of the picture on the plane that it shows.
+    #[schema(required = false)]
+    pub size_mm: Option<f64>,
     pub width_px: u32,
     pub height_px: u32,
     /// Size of the picture as sent.
@@ -108,13 +176,19 @@ pub struct ExemplarBody {
     pub header: FrameHeader,
 }
 
-impl From<ExemplarRow> for ExemplarBody {
-    fn from(row: ExemplarRow) -> Self {
-        Self {
+impl TryFrom<ExemplarRow> for ExemplarBody {
+    type Error = DatabaseError;
+
+    fn try_from(row: ExemplarRow) -> Result<Self, DatabaseError> {
+        let Survey { pose, camera, size_mm } = Survey::of(&row)?;
+        Ok(Self {
             id: row.id,
             label: (!row.negative).then_some(row.label),
             negative: row.negative,
             pose_deg: row.pose_deg,
+            pose,
+            camera,
+            size_mm,
             width_px: row.width_px,
             height_px: row.height_px,
             bytes: row.bytes,
@@ -122,7 +196,7 @@ impl From<ExemplarRow> for ExemplarBody {
             media_type: row.media_type,
             created_at: row.created_at,
             header: FrameHeader { robot_id: row.robot_id, frame_id: row.frame_id, stamp: row.stamp },
-        }
+        })
     }
 }
 
@@ -167,21 +241,60 @@ pub fn label_or_negative(
     }
 }
 
-/// Decodes a picture once, so that only pictures are kept, and keeps it; the pose is in [0, 360). Returns the exemplar, and
-/// whether it is new.
+/// A survey, if the exemplar may have one. `at` is what pointers to its members begin with.
+///
+/// # Errors
+/// It is of an object, or nothing known is to be seen.
+pub fn surveyable(
+    database: &DatabaseRow,
+    survey: Survey,
+    negative: bool,
+    at: &str,
+) -> Result<Survey, Problem> {
+    if survey == Survey::default() || (database.kind == Kind::Landmarks.as_str() && !negative) {
+        return Ok(survey);
+    }
+    let named = [
+        (if at == "#" { "map" } else { "pose" }, survey.pose.is_some()),
+        ("camera", survey.camera.is_some()),
+        ("size_mm", survey.size_mm.is_some()),
+    ];
+    let text = match negative {
+        true => "a negative exemplar shows nothing that could be anywhere: leave it out",
+        false => "is of databases of kind landmarks: for the turn of an object there is pose_deg",
+    };
+    let fault = |(name, _)| FieldError { pointer: format!("{at}{name}"), detail: text.into() };
+    Err(Problem::fields(named.into_iter().filter(|(_, is_given)| *is_given).map(fault).collect()))
+}
+
+/// What is said about a picture that becomes an exemplar.
+pub struct Description {
+    /// None for a negative one.
+    pub label: Option<Name>,
+    /// In [0, 360).
+    pub pose_deg: Option<f64>,
+    pub survey: Survey,
+    pub header: FrameHeader,
+}
+
+/// Decodes a picture once, so that only pictures are kept, and keeps it. Returns the exemplar, and whether it is new. `at` is
+/// what pointers begin with.
 pub async fn keep(
     service: &Service,
     database: &Name,
-    label: Option<Name>,
-    pose_deg: Option<f64>,
+    description: Description,
     picture: &Picture,
-    header: FrameHeader,
+    at: &'static str,
 ) -> Result<(ExemplarRow, bool), Problem> {
     let (bytes, limits, media_type) = (picture.bytes.clone(), service.decode, picture.format.media_type());
+    let Description { label, pose_deg, survey, header } = description;
     let decode = move || {
         let frame = imaging::decode(&bytes, &limits)?;
         let size = (frame.width() as u32, frame.height() as u32);
-        Ok::<_, DecodeError>(NewExemplar::of(label, pose_deg, bytes, media_type, size, header))
+        if let Some(camera) = &survey.camera {
+            camera_for(camera, size, &format!("{at}camera"))?;
+        }
+        Ok::<_, Problem>(NewExemplar::of(label, pose_deg, survey, bytes, media_type, size, header))
     };
     let (decoded, _) = service.compute.run(Lane::Maintenance, picture.working_bytes, decode).await?;
     Ok(service.databases.add_exemplar(database, decoded?).await?)
@@ -196,7 +309,7 @@ pub async fn keep(
         content(
             (String = "image/jpeg"), (String = "image/png"),
             (String = "image/x-portable-graymap"), (String = "image/x-portable-pixmap"),
-            (ImageForm = "multipart/form-data")
+            (ExemplarForm = "multipart/form-data")
         )
     ),
     responses(
@@ -214,11 +327,13 @@ pub async fn post(
     let database = service.databases.get(&path.database).await?;
     let pose_deg = pose(query.pose_deg, "#pose_deg")?;
     let negative = query.negative.unwrap_or(false);
+    let survey = query.survey()?.with_texts(&picture.texts)?.resolved(&service, "#").await?;
+    let survey = surveyable(&database, survey, negative, "#")?;
     let label = label_or_negative(&database, query.label, negative, pose_deg, "#")?;
     let picture = picture.checked(&service.decode)?;
-    let kept = keep(&service, &path.database, label, pose_deg, &picture, header);
-    let (row, created) = kept.await?;
-    Ok((put_status(created), Json(row.into())))
+    let description = Description { label, pose_deg, survey, header };
+    let (row, created) = keep(&service, &path.database, description, &picture, "#").await?;
+    Ok((put_status(created), Json(row.try_into()?)))
 }
 
 /// A form with one picture.
@@ -228,6 +343,21 @@ pub struct ImageForm {
     /// The picture.
     #[schema(format = Binary, content_media_type = "application/octet-stream")]
     image: String,
+}
+
+/// A form with a training image, and where it was taken.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct ExemplarForm {
+    /// The picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    image: String,
+    /// Where the camera was; with `size_mm` where the flat thing is.
+    pose: Option<MapPoseDocument>,
+    /// The camera that took it.
+    camera: Option<CameraReference>,
+    /// Width of the picture on the plane that it shows.
+    size_mm: Option<f64>,
 }
 
 /// Training images by id.
@@ -246,7 +376,7 @@ pub async fn list(
     let ExemplarQuery { label, negative, robot_id, since, before, .. } = query;
     let filter = ExemplarFilter { label, negative, robot_id, since, before };
     let rows = service.databases.exemplars(&path.database, &filter, after, limit).await?;
-    Ok(Json(Page::of(rows, limit, |row| row.id.to_string(), ExemplarBody::from)))
+    Ok(Json(Page::try_of(rows, limit, |row| row.id.to_string(), ExemplarBody::try_from)?))
 }
 
 /// One training image.
@@ -260,7 +390,30 @@ pub async fn get(
     Path(path): Path<ExemplarPath>,
 ) -> Result<Json<ExemplarBody>, Problem> {
     service.databases.get(&path.database).await?;
-    Ok(Json(service.databases.exemplar(&path.database, path.id).await?.into()))
+    Ok(Json(service.databases.exemplar(&path.database, path.id).await?.try_into()?))
+}
+
+/// Change where a training image was taken, with which camera, or how large it is: what is left out stays, null takes it away.
+/// In force from the next training on.
+#[utoipa::path(
+    patch, operation_id = "change_exemplar",
+    path = "/v1/databases/{database}/exemplars/{id}", tag = "databases", security(("key" = ["contribute"])), params(ExemplarPath),
+    request_body = SurveyPatch,
+    responses((status = 200, body = ExemplarBody))
+)]
+pub async fn patch(
+    State(service): State<Service>,
+    Path(path): Path<ExemplarPath>,
+    JsonIn(members): JsonIn<Map<String, Value>>,
+) -> Result<Json<ExemplarBody>, Problem> {
+    let database = service.databases.get(&path.database).await?;
+    let row = service.databases.exemplar(&path.database, path.id).await?;
+    let survey = surveys::patched(&service, Survey::of(&row)?, members).await?;
+    let survey = surveyable(&database, survey, row.negative, "/")?;
+    if let Some(camera) = &survey.camera {
+        camera_for(camera, (row.width_px, row.height_px), "/camera")?;
+    }
+    Ok(Json(service.databases.set_survey(&path.database, path.id, &survey).await?.try_into()?))
 }
 
 /// The picture of a training image, byte for byte as it was sent.

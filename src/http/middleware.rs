@@ -14,6 +14,7 @@ use uuid::Uuid;
 use super::Service;
 use super::problem::{Code, Problem};
 use crate::compute::panic_message;
+use crate::telemetry::otlp;
 
 const REQUEST_ID: &str = "x-request-id";
 /// Longest request id taken from a caller.
@@ -35,6 +36,7 @@ pub async fn request(State(service): State<Service>, mut request: Request, next:
     let route =
         request.extensions().get::<MatchedPath>().map_or("unmatched".into(), |m| m.as_str().to_owned());
     let span = tracing::info_span!("request", %method, path, request_id, trace_id = trace_id(&request));
+    otlp::continue_trace(&span, request.headers());
     let deadline = deadline(&service, &route);
 
     let answer = within(deadline, next.run(request)).instrument(span.clone()).await;
@@ -44,6 +46,7 @@ pub async fn request(State(service): State<Service>, mut request: Request, next:
     }
     let status = response.status().as_u16();
     service.metrics.request(known(&method), &route, status, started.elapsed());
+    otlp::note_answer(&span, known(&method), &route, status);
     span.in_scope(|| tracing::info!(status, took_ms = started.elapsed().as_secs_f64() * 1e3, "answered"));
     response
 }

@@ -10,15 +10,18 @@ mod aliases;
 mod audit;
 pub mod body;
 mod calibrations;
+mod cameras;
 mod centrings;
 mod console;
 mod databases;
 mod depth_maps;
 mod eigenimages;
 mod estimators;
+pub(crate) mod events;
 mod exemplar_batches;
 mod exemplars;
 mod extract;
+mod inference_protocol;
 mod info;
 mod inspections;
 mod jobs;
@@ -30,6 +33,7 @@ pub(crate) mod options;
 mod pages;
 mod pairs;
 mod paths;
+mod pose_table;
 mod preconditions;
 mod predictions;
 pub mod problem;
@@ -37,6 +41,7 @@ mod recognitions;
 mod regions;
 mod segmentations;
 mod stages;
+mod surveys;
 mod sweeps;
 mod tracks;
 mod trainings;
@@ -66,6 +71,7 @@ use crate::access::Keyring;
 use crate::compute::Compute;
 use crate::config::{Limits, Role};
 use crate::database::{Databases, Process};
+use crate::events::Events;
 use crate::jobs::Jobs;
 use crate::telemetry::Metrics;
 use landmarkd_core::imaging::DecodeLimits;
@@ -95,6 +101,8 @@ pub struct Service {
     pub estimators: Estimators,
     /// Robots on their way.
     pub tracks: Tracks,
+    /// What happens here.
+    pub events: Events,
     /// When the process started.
     pub started_at: Timestamp,
     /// The name under which this process claims jobs.
@@ -125,11 +133,18 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(info::readyz))
         .routes(routes!(info::metrics))
         .routes(routes!(info::info))
+        .routes(routes!(events::get))
+        .routes(routes!(inference_protocol::live))
+        .routes(routes!(inference_protocol::ready))
+        .routes(routes!(inference_protocol::metadata))
+        .routes(routes!(inference_protocol::model_metadata))
+        .routes(routes!(inference_protocol::version_metadata))
+        .routes(routes!(inference_protocol::model_ready))
         .routes(routes!(databases::list))
         .routes(routes!(databases::put, databases::get, databases::delete))
         .routes(routes!(exemplars::post, exemplars::list, exemplars::delete_matching))
         .routes(routes!(exemplar_batches::post))
-        .routes(routes!(exemplars::get, exemplars::delete))
+        .routes(routes!(exemplars::get, exemplars::patch, exemplars::delete))
         .routes(routes!(exemplars::image))
         .routes(routes!(trainings::post))
         .routes(routes!(versions::list, versions::import))
@@ -143,6 +158,8 @@ fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(tracks::post, tracks::list))
         .routes(routes!(tracks::get, tracks::delete))
         .routes(routes!(tracks::post_frame))
+        .routes(routes!(cameras::list))
+        .routes(routes!(cameras::put, cameras::get, cameras::delete))
         .routes(routes!(calibrations::list))
         .routes(routes!(calibrations::put, calibrations::get, calibrations::delete))
         .routes(routes!(calibrations::register))

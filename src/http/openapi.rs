@@ -23,9 +23,11 @@ use super::{access, routes};
         (name = "service", description = "Is it alive, what can it do"),
         (name = "databases", description = "Exemplars, versions and aliases under a name"),
         (name = "recognition", description = "Ask a frame what it shows"),
+        (name = "cameras", description = "Intrinsics under a name, which pictures then name"),
         (name = "depth", description = "How far away everything is, from a near- and a far-focused picture"),
         (name = "workcell", description = "Find every part on a table, say what it is, and where to reach"),
         (name = "jobs", description = "Long work, watched and cancelled"),
+        (name = "inference protocol", description = "Health and metadata as the Open Inference Protocol has them"),
         (name = "access", description = "Who may call, and who changed what"),
     )
 )]

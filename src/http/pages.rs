@@ -1,5 +1,7 @@
 //! Lists: `?limit=&cursor=` in, `{items, next_cursor}` out, in a stable order.
 
+use std::convert::Infallible;
+
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -65,8 +67,23 @@ impl<T> Page<T> {
 
     /// A page of `limit` rows; `key` is what the next page starts after.
     pub fn of<R>(rows: Vec<R>, limit: u32, key: impl Fn(&R) -> String, render: impl Fn(R) -> T) -> Self {
+        let render = |row| Ok::<T, Infallible>(render(row));
+        let Ok(page) = Self::try_of(rows, limit, key, render);
+        page
+    }
+
+    /// A page of rows that may not render.
+    ///
+    /// # Errors
+    /// The first error of `render`.
+    pub fn try_of<R, E>(
+        rows: Vec<R>,
+        limit: u32,
+        key: impl Fn(&R) -> String,
+        render: impl Fn(R) -> Result<T, E>,
+    ) -> Result<Self, E> {
         let full = rows.len() as u64 >= u64::from(limit);
         let next_cursor = rows.last().filter(|_| full).map(key);
-        Self { items: rows.into_iter().map(render).collect(), next_cursor }
+        Ok(Self { items: rows.into_iter().map(render).collect::<Result<_, _>>()?, next_cursor })
     }
 }

@@ -303,6 +303,9 @@ impl From<DatabaseError> for Problem {
             DatabaseError::UnknownWorkcell { .. } => {
                 (Code::UnknownWorkcell, "; create it with PUT /v1/workcells/{name}")
             }
+            DatabaseError::UnknownCamera { .. } => {
+                (Code::UnknownCamera, "; keep it with PUT /v1/cameras/{name}")
+            }
             DatabaseError::WrongKind { .. } => {
                 (Code::KindConflict, ": PUT /v1/workcells/{name} with a database of that kind")
             }
@@ -332,7 +335,9 @@ impl From<DatabaseError> for Problem {
                 return Self::new(Code::UnreadableExemplar, format!("{}{advice}", chain(&error)));
             }
             error @ (DatabaseError::UnreadableCalibration { .. }
-            | DatabaseError::UnreadableWorkcell { .. }) => return Self::internal(&error),
+            | DatabaseError::UnreadableWorkcell { .. }
+            | DatabaseError::UnreadableCamera { .. }
+            | DatabaseError::UnreadableSurvey { .. }) => return Self::internal(&error),
             DatabaseError::InvalidArtifact { source } => {
                 let is_newer = matches!(source, ArtifactError::KindUnknown { .. });
                 let code = if is_newer { Code::NotYet } else { Code::InvalidArtifact };

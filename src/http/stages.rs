@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::telemetry::otlp::note_stage;
 use crate::telemetry::{Metrics, Work};
 
 /// A time in milliseconds.
@@ -46,10 +47,12 @@ impl StageClock {
         self.took.iter().find(|(name, _)| *name == stage).map_or(0.0, |(_, took)| ms(*took))
     }
 
-    /// Adds the times to the metrics of that kind of work, with the time that it waited for a computing thread.
+    /// Adds the times to the request's span and to the metrics of that kind of work, with the time that it waited for a computing thread.
     pub fn record(&self, metrics: &Metrics, work: Work, queue: Duration) {
-        metrics.stage(work, "queue", queue);
-        self.took.iter().for_each(|(stage, took)| metrics.stage(work, stage, *took));
+        for (stage, took) in [("queue", queue)].into_iter().chain(self.took.iter().copied()) {
+            metrics.stage(work, stage, took);
+            note_stage(stage, took);
+        }
     }
 }
 

@@ -88,9 +88,17 @@ impl Picture {
     }
 }
 
+/// Parts of a form that say something about its picture, by name.
+pub type Texts = BTreeMap<&'static str, Bytes>;
+
+/// The names that such parts may have.
+const TEXTS: [&str; 4] = ["pose", "camera", "size_mm", "odometry"];
+
 /// One picture whose header isn't read yet: the raw body, or the part `image` of a multipart body.
 pub struct OnePicture {
     bytes: Bytes,
+    /// What a form says about it.
+    pub texts: Texts,
     share: BodyShare,
 }
 
@@ -121,16 +129,22 @@ impl FromRequest<Service> for OnePicture {
         let declared = essence(request.headers());
         if declared.as_deref() == Some("multipart/form-data") {
             let mut form = Form::of(request, service, limits.max_body_bytes, limits.max_body_bytes).await?;
+            let (mut image, mut texts) = (None, Texts::new());
             while let Some((name, field)) = form.next().await? {
-                if name == "image" {
-                    let bytes = field.read(limits.max_body_bytes).await??;
-                    return Ok(Self { bytes, share: form.share });
+                if name == "image" && image.is_none() {
+                    image = Some(field.read(limits.max_body_bytes).await??);
+                } else if let Some(name) = TEXTS.into_iter().find(|text| *text == name) {
+                    let text = field.read(MAX_JSON_BYTES).await?.map_err(|problem| problem.in_part(name))?;
+                    texts.insert(name, text);
                 }
             }
-            return Err(Problem::new(
-                Code::EmptyImage,
-                "the form has no file part called image: send -F image=@frame.jpg",
-            ));
+            let missing = || {
+                Problem::new(
+                    Code::EmptyImage,
+                    "the form has no file part called image: send -F image=@frame.jpg",
+                )
+            };
+            return Ok(Self { bytes: image.ok_or_else(missing)?, texts, share: form.share });
         }
         match declared.as_deref() {
             None | Some("application/octet-stream") => {}
@@ -148,7 +162,7 @@ impl FromRequest<Service> for OnePicture {
         let (parts, body) = request.into_parts();
         let share = service.bodies.admit(&parts.headers, limits.max_body_bytes)?;
         let bytes = body::read_whole(body, limits.max_body_bytes, limits.body_timeout).await?;
-        Ok(Self { bytes, share })
+        Ok(Self { bytes, texts: Texts::new(), share })
     }
 }
 

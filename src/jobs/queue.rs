@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use uuid::Uuid;
 
 use super::lease::Signals;
@@ -204,5 +205,13 @@ impl Jobs {
             }
             let _ = tokio::time::timeout(EVENTS_POLL, changed).await;
         }
+    }
+
+    /// The events of all jobs after a moment, in order; at most a thousand.
+    ///
+    /// # Errors
+    /// The catalogue is away.
+    pub async fn events_since(&self, moment: Timestamp) -> Result<Vec<JobEventRow>, JobError> {
+        Ok(self.catalogue.job_events_since(moment).await?)
     }
 }

@@ -54,6 +54,6 @@ pub use tables::job_row::{JobRow, Progress};
 pub use tables::job_state::{JobState, UnknownJobState};
 pub use tables::jobs::{JobFilter, Renewal};
 pub use tables::keys::{KeyRow, NewKey};
+pub use tables::named_documents::NamedDocument;
 pub use tables::processes::ProcessRow;
 pub use tables::versions::{NewVersion, VersionRow};
-pub use tables::workcells::WorkcellRow;

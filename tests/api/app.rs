@@ -168,6 +168,25 @@ impl App {
         answer
     }
 
+    /// The text of an endless answer, up to where it is enough.
+    pub async fn read_stream(&self, request: Request<Body>, is_enough: impl Fn(&str) -> bool) -> String {
+        let response = self.router.clone().oneshot(request).await.unwrap();
+        assert_eq!(response.status(), 200);
+        let (mut body, mut text) = (response.into_body(), String::new());
+        while !is_enough(&text) {
+            let frame = tokio::time::timeout(crate::waits::BOUND, body.frame()).await;
+            let frame = frame.unwrap_or_else(|_| panic!("no more came after {text}"));
+            let data = frame.expect("the stream goes on").unwrap().into_data().unwrap_or_default();
+            text.push_str(std::str::from_utf8(&data).unwrap());
+        }
+        text
+    }
+
+    /// Whether somebody follows what happens.
+    pub fn is_followed(&self) -> bool {
+        self.service.events.are_followed()
+    }
+
     /// Ask for what isn't held against what all answers promise.
     pub async fn send_as_it_is(&self, request: Request<Body>) -> Answer {
         self.answer(request).await
@@ -198,6 +217,10 @@ impl App {
 
     pub async fn post(&self, path: &str, body: Value) -> Answer {
         self.send(with_json(request(Method::POST, path), &body)).await
+    }
+
+    pub async fn patch(&self, path: &str, body: Value) -> Answer {
+        self.send(with_json(request(Method::PATCH, path), &body)).await
     }
 
     /// Send bytes as they are.

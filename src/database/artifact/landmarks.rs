@@ -22,6 +22,7 @@ use uuid::Uuid;
 
 use super::outline::{EXEMPLARS, ExemplarPlace};
 use super::{ArtifactError, File, NO_DIGITS, Tensor, le_bytes};
+use crate::database::survey::Surveys;
 use crate::database::{Counts, LandmarkReport, Name};
 use crate::store::BlobName;
 use landmarkd_core::recognition::landmarks::{
@@ -40,6 +41,9 @@ pub(super) struct LandmarkHeader {
     /// checksum as they are before they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) outline: Option<String>,
+    /// Of the exemplars that have any.
+    #[serde(default, skip_serializing_if = "Surveys::is_empty")]
+    pub(super) surveys: Surveys,
     pub(super) report: LandmarkReport,
 }
 
@@ -67,12 +71,14 @@ struct ConfidenceDocument {
 pub(super) fn header_and_tensors<'a>(
     parts: &'a LandmarkParts,
     report: &LandmarkReport,
+    surveys: &Surveys,
 ) -> (LandmarkHeader, Vec<Tensor<'a>>) {
     let header = LandmarkHeader {
         total_variance: parts.total_variance,
         exemplars: parts.exemplars.iter().map(ExemplarDocument::from).collect(),
         confidence: parts.confidence.as_ref().map(ConfidenceDocument::from),
         outline: matches!(parts.windows, WindowParts::Encoded(_)).then(|| NO_DIGITS.into()),
+        surveys: surveys.clone(),
         report: report.clone(),
     };
     let (dimension, signature) = (parts.eigenvalues.len(), parts.mean.len());

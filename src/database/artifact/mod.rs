@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use super::options::{DocumentError, Options};
 use super::report::Report;
+use super::survey::{Survey, Surveys};
 use super::{ALGORITHM_REVISION, Counts, Kind, Model};
 use crate::store::BlobName;
 use landmarkd_core::recognition::landmarks::LandmarkParts;
@@ -47,6 +48,8 @@ pub struct Artifact {
     pub report: Report,
     /// What it recognises with.
     pub model: Model,
+    /// Where its exemplars were taken.
+    pub surveys: Surveys,
 }
 
 impl Artifact {
@@ -184,7 +187,7 @@ pub fn write(artifact: &Artifact) -> Vec<u8> {
     match (&artifact.model, &artifact.report) {
         (Model::Landmarks(model), Report::Landmarks(report)) => {
             let parts = LandmarkParts::from(&**model);
-            write_parts(header, landmarks::header_and_tensors(&parts, report))
+            write_parts(header, landmarks::header_and_tensors(&parts, report, &artifact.surveys))
         }
         (Model::Objects(model), Report::Objects(report)) => {
             let parts = ObjectParts::from(&**model);
@@ -286,25 +289,27 @@ fn read_file(text: &str, file: File) -> Result<(Artifact, Vec<ExemplarPlace>), A
     };
     let options =
         Options::from_document(kind, &header.options).map_err(|source| ArtifactError::Options { source })?;
-    let (model, report, counts, places) = match options {
+    let (model, report, counts, places, surveys) = match options {
         Options::Landmarks(options) => {
             let of_kind: landmarks::LandmarkHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
+            let surveys = of_kind.surveys.clone();
             let (model, counts, places) = landmarks::assemble(options, of_kind, file)?;
-            (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts, places)
+            (Model::Landmarks(Box::new(model)), Report::Landmarks(report), counts, places, surveys)
         }
         Options::Objects(options) => {
             let of_kind: objects::ObjectHeader = read_header(text)?;
             let report = Box::new(of_kind.report.clone());
             let (model, counts) = objects::assemble(options, of_kind, &file)?;
-            (Model::Objects(Box::new(model)), Report::Objects(report), counts, Vec::new())
+            (Model::Objects(Box::new(model)), Report::Objects(report), counts, Vec::new(), Surveys::new())
         }
     };
-    if counts != header.counts || header.digest.parse::<BlobName>().is_err() {
+    let is_sound = surveys.values().all(Survey::is_sound);
+    if !is_sound || counts != header.counts || header.digest.parse::<BlobName>().is_err() {
         return Err(ArtifactError::Contents);
     }
     let Header { digest, algorithm_revision, .. } = header;
-    Ok((Artifact { digest, algorithm_revision, counts, report, model }, places))
+    Ok((Artifact { digest, algorithm_revision, counts, report, model, surveys }, places))
 }
 
 /// The common part of a header, or that of a kind: each leaves the members of the other alone.
@@ -454,6 +459,11 @@ mod tests {
             counts: Counts { exemplars: 2, labels: 2, interest_points: report.interest_points as u64 },
             report: Report::Landmarks(Box::new(LandmarkReport::from(&report))),
             model: Model::Landmarks(Box::new(landmarks)),
+            surveys: [(
+                Uuid::new_v8([1; 16]).to_string(),
+                Survey { size_mm: Some(210.0), ..Survey::default() },
+            )]
+            .into(),
         }
     }
 

@@ -9,7 +9,7 @@ pub use document::{
 };
 
 use super::{DatabaseError, Databases, Kind, Name};
-use crate::store::{Actor, WorkcellRow};
+use crate::store::{Actor, NamedDocument};
 use landmarkd_core::workcell::{Correspondence, Workcell};
 
 /// A workcell, as it is described.
@@ -38,11 +38,11 @@ pub struct KeptWorkcell {
     pub updated_at: Timestamp,
 }
 
-impl TryFrom<WorkcellRow> for KeptWorkcell {
+impl TryFrom<NamedDocument> for KeptWorkcell {
     type Error = DatabaseError;
 
-    fn try_from(row: WorkcellRow) -> Result<Self, DatabaseError> {
-        let WorkcellRow { name, document, created_at, updated_at } = row;
+    fn try_from(row: NamedDocument) -> Result<Self, DatabaseError> {
+        let NamedDocument { name, document, created_at, updated_at } = row;
         match document::read(&document) {
             Ok(setup) => Ok(Self { name, setup, created_at, updated_at }),
             Err(source) => Err(DatabaseError::UnreadableWorkcell { workcell: name, source }),

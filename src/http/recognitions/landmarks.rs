@@ -4,6 +4,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::localisation::{PlacePoseBody, Surveyed};
 use super::{Answer, DecisionBody, Drawn, EvidenceBody, ReasonBody, StagesBody, Wanted};
 use crate::http::problem::{Code, Problem};
 use crate::http::stages::StageClock;
@@ -28,6 +29,10 @@ pub struct LandmarkEvidence {
     pub also: Vec<AlsoBody>,
     /// The best guess where the decision is null.
     pub guess: Option<GuessBody>,
+    /// Where the camera is, where exemplars of the version have poses; null where those that agree don't tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub pose: Option<Option<PlacePoseBody>>,
     /// Why the decision is null, the likeliest first.
     #[schema(required = false)]
     pub reasons: Vec<ReasonBody>,
@@ -173,11 +178,16 @@ pub struct LandmarkStages {
     pub vote: f64,
     /// Laying exemplars on the frame.
     pub verification: f64,
+    /// Where the frame was taken, where exemplars have poses; else 0.
+    #[schema(required = false)]
+    pub locate: f64,
 }
 
 const STAGES: [&str; 5] = ["attention", "signature", "search", "vote", "verification"];
 /// Where the version's windows are not in memory.
 pub(super) const FETCH: &str = "fetch";
+/// Where exemplars have poses.
+const LOCATE: &str = "locate";
 
 fn word(stage: Stage) -> &'static str {
     match stage {
@@ -221,6 +231,7 @@ pub(super) fn answer_among(
     model: &Landmarks,
     chosen: &Chosen,
     kept: Vec<KeptExemplar<'_>>,
+    surveyed: &Surveyed<'_>,
     wanted: Wanted,
     clock: &mut StageClock,
 ) -> Result<Answer, Problem> {
@@ -228,7 +239,8 @@ pub(super) fn answer_among(
     clock.end(FETCH);
     let recognition =
         among.recognise_asked(&chosen.asked, |stage| clock.end(word(stage))).map_err(|_| not_kept())?;
-    let mut answer = rendered(frame, &among, recognition, wanted, clock);
+    let pose = located(surveyed, &among, &recognition, &chosen.asked, clock);
+    let mut answer = rendered(frame, &among, recognition, pose, wanted, clock);
     let mut weights = vec![0.0; model.exemplars().len()];
     for (&exemplar, weight) in chosen.exemplars.iter().zip(&answer.exemplar_weights) {
         weights[exemplar] = *weight;
@@ -238,22 +250,53 @@ pub(super) fn answer_among(
 }
 
 /// The model's answer to the frame.
-pub(super) fn answer(frame: &Frame, model: &Landmarks, wanted: Wanted, clock: &mut StageClock) -> Answer {
+pub(super) fn answer(
+    frame: &Frame,
+    model: &Landmarks,
+    surveyed: &Surveyed<'_>,
+    wanted: Wanted,
+    clock: &mut StageClock,
+) -> Answer {
     clock.expect(&STAGES);
     // Points are asked in batches: a stage may come several times.
-    let recognition = model.recognise(frame, |stage| clock.end(word(stage)));
-    rendered(frame, model, recognition, wanted, clock)
+    let mut finished = |stage| clock.end(word(stage));
+    let asked = if surveyed.has_poses() { model.ask(frame, &mut finished) } else { None };
+    let answered = asked.and_then(|asked| {
+        let recognition = model.recognise_asked(&asked, &mut finished).ok()?;
+        Some((recognition, asked))
+    });
+    let Some((recognition, asked)) = answered else {
+        let recognition = model.recognise(frame, finished);
+        let pose = surveyed.has_poses().then_some(None);
+        return rendered(frame, model, recognition, pose, wanted, clock);
+    };
+    let pose = located(surveyed, model, &recognition, &asked, clock);
+    rendered(frame, model, recognition, pose, wanted, clock)
+}
+
+/// Where the frame was taken, if the version's exemplars have poses.
+fn located(
+    surveyed: &Surveyed<'_>,
+    model: &Landmarks,
+    recognition: &Recognition,
+    asked: &AskedFrame<'_>,
+    clock: &mut StageClock,
+) -> Option<Option<PlacePoseBody>> {
+    let located = surveyed.has_poses().then(|| surveyed.pose(model, recognition, asked));
+    clock.end(LOCATE);
+    located
 }
 
 fn rendered(
     frame: &Frame,
     model: &Landmarks,
     recognition: Recognition,
+    pose: Option<Option<PlacePoseBody>>,
     wanted: Wanted,
     clock: &StageClock,
 ) -> Answer {
     let [attention, signature, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
-    let fetch = clock.ms(FETCH);
+    let (fetch, locate) = (clock.ms(FETCH), clock.ms(LOCATE));
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {
@@ -305,6 +348,7 @@ fn rendered(
             evidence: recognition.a_contrario.as_ref().map(AContrarioBody::from),
             also: also.collect(),
             guess,
+            pose,
             reasons: reasons.collect(),
             points_used: recognition.points_used as u64,
             points_found: recognition.points_found as u64,
@@ -317,6 +361,7 @@ fn rendered(
             search,
             vote,
             verification,
+            locate,
         }),
         drawn: wanted.drawing.map(|_| {
             let png = annotate(frame, &recognition, model).into_png();

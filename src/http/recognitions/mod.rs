@@ -2,6 +2,7 @@
 //! stands in a file of its own.
 
 mod landmarks;
+mod localisation;
 mod objects;
 
 use std::sync::Arc;
@@ -17,19 +18,22 @@ use serde::{Deserialize, Serialize};
 use tokio_util::task::AbortOnDropHandle;
 use utoipa::{IntoParams, ToSchema};
 
-use super::exemplars::ImageForm;
+use super::cameras::CameraReference;
 use super::extract::{Path, Query};
 use super::paths::DatabasePath;
 use super::problem::{Code, Problem, ProblemBody};
 use super::stages::{StageClock, ms};
-use super::uploads::{Form, OnePicture, Picture, RobotHeader};
-use super::{Service, accept};
+use super::uploads::{Form, OnePicture, Picture, RobotHeader, Texts};
+use super::{Service, accept, events};
 use crate::compute::Lane;
+use crate::database::survey::CameraDocument;
 use crate::database::{Databases, FrameHeader, Kind, LoadedVersion, Model, Name};
 use crate::telemetry::Work;
 use landmarkd_core::imaging::{self, Frame};
 
 use landmarks::{Chosen, LandmarkEvidence, LandmarkStages};
+pub(super) use localisation::PlacePoseBody;
+use localisation::Surveyed;
 use objects::{ObjectEvidence, ObjectStages};
 
 pub(super) use objects::{CandidateBody, PoseBody};
@@ -51,6 +55,10 @@ pub struct RecognitionQuery {
     /// Give every point's vote. Objects have no more to give.
     #[param(default = false)]
     pub explain: Option<bool>,
+    /// The name of a kept camera that took the frame: then where exemplars have poses the frame's is computed from the points in
+    /// common. A form has its intrinsics, or a name, as the part `camera`.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub camera: Option<Name>,
 }
 
 /// Labels in `votes` or `candidates` when the call names no number.
@@ -63,8 +71,9 @@ impl StagesBody {
     fn total(&self) -> f64 {
         match self {
             Self::Landmarks(stages) => {
-                let LandmarkStages { attention, signature, fetch, search, vote, verification } = stages;
-                attention + signature + fetch + search + vote + verification
+                let LandmarkStages { attention, signature, fetch, search, vote, verification, locate } =
+                    stages;
+                attention + signature + fetch + search + vote + verification + locate
             }
             Self::Objects(stages) => stages.appearance + stages.universal + stages.object,
         }
@@ -90,6 +99,16 @@ pub struct RecognitionBody {
     pub timings_ms: TimingsBody,
     #[serde(flatten)]
     pub evidence: EvidenceBody,
+}
+
+impl EvidenceBody {
+    /// Where the camera is, if the version's exemplars have poses.
+    pub fn pose(&self) -> Option<&PlacePoseBody> {
+        match self {
+            Self::Landmarks(evidence) => evidence.pose.as_ref()?.as_ref(),
+            Self::Objects(_) => None,
+        }
+    }
 }
 
 /// What speaks for the answer, by the kind of the database.
@@ -154,6 +173,17 @@ pub struct RecognitionBatch {
     pub items: Vec<RecognitionItem>,
 }
 
+/// A form with a frame, and the camera that took it.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct FrameForm {
+    /// The picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    image: String,
+    /// The camera that took it.
+    camera: Option<CameraReference>,
+}
+
 /// A form with several pictures.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the form for the OpenAPI document")]
@@ -169,6 +199,8 @@ pub(super) struct Wanted {
     pub top: usize,
     explain: bool,
     drawing: Option<Drawing>,
+    /// The camera that took the frame.
+    camera: Option<CameraDocument>,
 }
 
 /// A picture instead of numbers.
@@ -207,9 +239,31 @@ impl Wanted {
     pub fn of(top: Option<usize>, explain: Option<bool>) -> Result<Self, Problem> {
         let explain = explain.unwrap_or(false);
         match top.unwrap_or(DEFAULT_TOP) {
-            top @ 1..=MAX_TOP => Ok(Self { top, explain, drawing: None }),
+            top @ 1..=MAX_TOP => Ok(Self { top, explain, drawing: None, camera: None }),
             other => Err(Problem::field("#top", format!("{other} is not between 1 and {MAX_TOP}"))),
         }
+    }
+}
+
+impl Wanted {
+    /// The same, of a frame that this camera took: the one that a form has, or that the query names.
+    ///
+    /// # Errors
+    /// There is no camera of that name, or the intrinsics can't be.
+    pub async fn by_camera(
+        self,
+        service: &Service,
+        named: Option<Name>,
+        texts: &Texts,
+    ) -> Result<Self, Problem> {
+        let named = named.map(|name| (CameraReference::Name(name.to_string()), "#camera"));
+        let sent = texts.get("camera").map(|text| CameraReference::of_text(text)).transpose();
+        let sent = sent.map_err(|problem| problem.in_part("camera"))?.map(|camera| (camera, "/camera"));
+        let camera = match sent.or(named) {
+            Some((camera, at)) => Some(camera.resolved(service, at).await?),
+            None => None,
+        };
+        Ok(Self { camera, ..self })
     }
 }
 
@@ -275,7 +329,7 @@ pub(super) async fn recognise<T: Send + 'static>(
     };
     let memory = side_px.map_or(picture.working_bytes, |side_px| picture.header.reduced_bytes(side_px));
     let _turn = version.turn().await;
-    let (asked, bytes) = (Arc::clone(version), picture.bytes.clone());
+    let (asked, bytes, header) = (Arc::clone(version), picture.bytes.clone(), picture.header);
     let visit = move || {
         let mut clock = StageClock::begin();
         let frame = match side_px {
@@ -288,7 +342,10 @@ pub(super) async fn recognise<T: Send + 'static>(
                 let chosen = landmarks::choose(&frame, model, &mut clock)?;
                 return Ok((Visited::Chosen(frame, chosen, add), clock));
             }
-            Model::Landmarks(model) => landmarks::answer(&frame, model, wanted, &mut clock),
+            Model::Landmarks(model) => {
+                let surveyed = Surveyed::of(&asked.surveys, wanted.camera.as_ref(), &header, &frame)?;
+                landmarks::answer(&frame, model, &surveyed, wanted, &mut clock)
+            }
             Model::Objects(model) => objects::answer(&frame, model, wanted, &mut clock)?,
         };
         let added = add(&bytes, &answer.exemplar_weights);
@@ -310,8 +367,10 @@ pub(super) async fn recognise<T: Send + 'static>(
             let again = move || {
                 clock.resume();
                 let Model::Landmarks(model) = &asked.model else { return Err(landmarks::not_kept()) };
+                let surveyed = Surveyed::of(&asked.surveys, wanted.camera.as_ref(), &header, &frame)?;
+                let kept = read.kept();
                 let answer =
-                    landmarks::answer_among(&frame, model, &chosen, read.kept(), wanted, &mut clock)?;
+                    landmarks::answer_among(&frame, model, &chosen, kept, &surveyed, wanted, &mut clock)?;
                 let added = add(&picture.bytes, &answer.exemplar_weights);
                 Ok::<_, Problem>((answer, added, clock))
             };
@@ -371,7 +430,7 @@ pub(super) fn render(
         description = "The picture, raw or as the part `image` of a form",
         content(
             (String = "image/jpeg"), (String = "image/png"), (String = "image/x-portable-graymap"),
-            (String = "image/x-portable-pixmap"), (ImageForm = "multipart/form-data")
+            (String = "image/x-portable-pixmap"), (FrameForm = "multipart/form-data")
         )
     ),
     responses((status = 200, description = "What the frame shows", content(
@@ -388,6 +447,7 @@ pub async fn post(
 ) -> Result<Response, Problem> {
     let given = accept::choose(&headers, &["application/json", "image/png", Drawing::RECONSTRUCTION])?;
     let wanted = Wanted { drawing: Drawing::of(given), ..Wanted::of(query.top, query.explain)? };
+    let wanted = wanted.by_camera(&service, query.camera, &frame.texts).await?;
     let version =
         version_for(&service.databases, &path.database, query.version, query.alias.as_ref()).await?;
     if wanted.drawing == Some(Drawing::Reconstruction) && matches!(version.model, Model::Landmarks(_)) {
@@ -404,7 +464,11 @@ pub async fn post(
             }
             response
         }
-        None => Json(render(&version, header, recognised)).into_response(),
+        None => {
+            let body = render(&version, header, recognised);
+            events::decided(&service, &body, None);
+            Json(body).into_response()
+        }
     };
     Ok(accept::vary(response))
 }
@@ -425,6 +489,7 @@ pub async fn post_batch(
     request: Request,
 ) -> Result<Json<RecognitionBatch>, Problem> {
     let wanted = Wanted::of(query.top, query.explain)?;
+    let wanted = wanted.by_camera(&service, query.camera, &Texts::new()).await?;
     let version =
         version_for(&service.databases, &path.database, query.version, query.alias.as_ref()).await?;
     let limits = &service.limits;
@@ -444,7 +509,9 @@ pub async fn post_batch(
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
             let (recognised, ()) = recognise(service, version, picture, wanted, |_, _| ()).await?;
-            Ok(render(version, header, recognised))
+            let body = render(version, header, recognised);
+            events::decided(service, &body, None);
+            Ok(body)
         });
         if running.len() >= most_running
             && let Some(done) = running.next().await

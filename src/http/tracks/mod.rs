@@ -16,7 +16,6 @@ use uuid::Uuid;
 
 pub use self::live::Tracks;
 use self::live::{MotionWord, Track};
-use super::Service;
 use super::exemplars::ImageForm;
 use super::extract::{Json as JsonIn, Path, Query};
 use super::pages::{Page, PageQuery, Paging};
@@ -24,6 +23,7 @@ use super::paths::DatabasePath;
 use super::problem::{Code, Problem};
 use super::recognitions::{DecisionBody, RecognitionBody, Wanted, recognise, render, version_for};
 use super::uploads::{OnePicture, RobotHeader};
+use super::{Service, events};
 use crate::database::{CURRENT, Databases, LoadedVersion, Model, Name};
 use landmarkd_core::recognition::landmarks::{Belief, Landmarks, Motion, Viewpoint};
 
@@ -335,6 +335,7 @@ pub async fn post_frame(
     recognition.warnings.extend(order_warning(&track));
     let BeliefBody { decision, belief, elsewhere } = BeliefBody::of(&track, wanted.top);
     let of_frame = std::mem::replace(&mut recognition.decision, decision);
+    events::decided(&service, &recognition, Some(track.id));
     Ok(Json(TrackedFrameBody {
         track: track.id,
         belief,

@@ -55,7 +55,9 @@ pub(super) struct Base {
 impl Base {
     /// The number of the version that has just these exemplars, if it has.
     pub(super) fn is_same(&self, inputs: &Inputs) -> bool {
-        self.added.is_empty() && exemplars_of(&self.version) == inputs.exemplars.len()
+        self.added.is_empty()
+            && exemplars_of(&self.version) == inputs.exemplars.len()
+            && self.version.surveys == inputs.surveys
     }
 
     pub(super) fn version(&self) -> i64 {

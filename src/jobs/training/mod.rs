@@ -22,6 +22,7 @@ use utoipa::ToSchema;
 use super::stop::Stop;
 use super::worker::Worker;
 use crate::database::artifact::{self, Artifact};
+use crate::database::survey::{Surveys, surveys_of};
 use crate::database::{
     ALGORITHM_REVISION, CURRENT, Counts, DatabaseError, Databases, ExemplarRow, GrownReport, JobRow, Kind,
     LoadedVersion, Model, Options, Report, TrainingTimings, VersionRow, inputs_digest,
@@ -115,6 +116,7 @@ struct Inputs {
     /// Name of the database.
     database: String,
     exemplars: Vec<ExemplarRow>,
+    surveys: Surveys,
     params: TrainingParams,
     /// Digest of exemplars, options and algorithm: of the version too.
     digest: String,
@@ -147,7 +149,8 @@ impl Inputs {
             return Err(Stop::failed(Code::NoExemplars, text));
         }
         let digest = inputs_digest(kind, &params.options.to_document(), &exemplars);
-        Ok(Self { database: name, exemplars, params, digest })
+        let surveys = surveys_of(&exemplars)?;
+        Ok(Self { database: name, exemplars, surveys, params, digest })
     }
 }
 
@@ -234,8 +237,8 @@ async fn train(
             (trained, timings, None)
         }
     };
-    let (started, digest) = (Instant::now(), inputs.digest.clone());
-    let (mut artifact, bytes) = worker.run(0, move || trained.into_artifact(digest)).await?;
+    let (started, digest, surveys) = (Instant::now(), inputs.digest.clone(), inputs.surveys.clone());
+    let (mut artifact, bytes) = worker.run(0, move || trained.into_artifact(digest, surveys)).await?;
     let eigenspace = timings.eigenspace + started.elapsed().as_secs_f64() * 1e3;
     // The file is without these: the same inputs give the same bytes.
     let timings = TrainingTimings { eigenspace, ..timings };
@@ -367,9 +370,10 @@ struct Trained {
 
 impl Trained {
     /// The artifact and its file.
-    fn into_artifact(self, digest: String) -> (Artifact, Bytes) {
+    fn into_artifact(self, digest: String, surveys: Surveys) -> (Artifact, Bytes) {
         let Self { model, report, counts } = self;
-        let artifact = Artifact { digest, algorithm_revision: ALGORITHM_REVISION, counts, report, model };
+        let algorithm_revision = ALGORITHM_REVISION;
+        let artifact = Artifact { digest, algorithm_revision, counts, report, model, surveys };
         let bytes = Bytes::from(artifact::write(&artifact));
         (artifact, bytes)
     }

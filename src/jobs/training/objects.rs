@@ -183,6 +183,7 @@ mod tests {
             label: "cup".into(),
             negative: false,
             pose_deg: None,
+            survey: None,
             width_px,
             height_px,
             bytes: 1,

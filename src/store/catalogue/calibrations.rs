@@ -1,4 +1,4 @@
-//! Calibrations and workcells.
+//! Calibrations, workcells and cameras.
 
 use serde_json::json;
 
@@ -8,7 +8,8 @@ use crate::store::session::{statement, transaction};
 use crate::store::tables::audit::{self, Actor, NewEntry, parse_document};
 use crate::store::tables::calibrations::{self, CalibrationRow};
 use crate::store::tables::jobs::{self, Subject};
-use crate::store::tables::workcells::{self, WorkcellRow};
+use crate::store::tables::named_documents::NamedDocument;
+use crate::store::tables::{cameras, workcells};
 
 impl Catalogue {
     /// Creates the calibration of that name, or replaces its document, if it is at the revision `expected`; none means
@@ -76,7 +77,7 @@ impl Catalogue {
         name: &str,
         document: &str,
         actor: &Actor,
-    ) -> Result<(WorkcellRow, bool), CatalogueError> {
+    ) -> Result<(NamedDocument, bool), CatalogueError> {
         transaction!(self, c => {
             let put = workcells::put(c, name, document).await?;
             let detail = json!({"document": parse_document(document)});
@@ -89,7 +90,7 @@ impl Catalogue {
     ///
     /// # Errors
     /// `Unavailable`, `Corrupt`.
-    pub async fn workcell(&self, name: &str) -> Result<Option<WorkcellRow>, CatalogueError> {
+    pub async fn workcell(&self, name: &str) -> Result<Option<NamedDocument>, CatalogueError> {
         statement!(self, c => workcells::find(c, name).await)
     }
 
@@ -101,7 +102,7 @@ impl Catalogue {
         &self,
         after: Option<&str>,
         limit: u32,
-    ) -> Result<Vec<WorkcellRow>, CatalogueError> {
+    ) -> Result<Vec<NamedDocument>, CatalogueError> {
         statement!(self, c => workcells::list(c, after, limit).await)
     }
 
@@ -114,6 +115,58 @@ impl Catalogue {
             let deleted = workcells::delete(c, name).await?;
             if deleted {
                 audit::append(c, actor, NewEntry::new("workcell.delete").about(name)).await?;
+            }
+            Ok(deleted)
+        })
+    }
+
+    /// Creates the camera of that name, with `true`, or replaces its document.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn put_camera(
+        &self,
+        name: &str,
+        document: &str,
+        actor: &Actor,
+    ) -> Result<(NamedDocument, bool), CatalogueError> {
+        transaction!(self, c => {
+            let put = cameras::put(c, name, document).await?;
+            let detail = json!({"document": parse_document(document)});
+            audit::append(c, actor, NewEntry::new("camera.put").about(name).with(detail)).await?;
+            Ok(put)
+        })
+    }
+
+    /// The camera of that name.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn camera(&self, name: &str) -> Result<Option<NamedDocument>, CatalogueError> {
+        statement!(self, c => cameras::find(c, name).await)
+    }
+
+    /// Workcells by name.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn cameras(
+        &self,
+        after: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<NamedDocument>, CatalogueError> {
+        statement!(self, c => cameras::list(c, after, limit).await)
+    }
+
+    /// Deletes a camera; false when there was none.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn delete_camera(&self, name: &str, actor: &Actor) -> Result<bool, CatalogueError> {
+        transaction!(self, c => {
+            let deleted = cameras::delete(c, name).await?;
+            if deleted {
+                audit::append(c, actor, NewEntry::new("camera.delete").about(name)).await?;
             }
             Ok(deleted)
         })

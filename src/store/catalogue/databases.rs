@@ -100,7 +100,8 @@ impl Catalogue {
         statement!(self, c => databases::counts(c, name).await)
     }
 
-    /// Adds an exemplar, or gives the existing one of that database and id unchanged, with `false`.
+    /// Adds an exemplar, or gives the existing one of that database and id, with `false`: unchanged, but for the survey if the
+    /// new one has any.
     ///
     /// Its blob must be stored before.
     ///
@@ -108,6 +109,19 @@ impl Catalogue {
     /// `NotFound` for the database; `Unavailable`, `Corrupt`.
     pub async fn insert_exemplar(&self, row: &ExemplarRow) -> Result<(ExemplarRow, bool), CatalogueError> {
         transaction!(self, c => exemplars::insert(c, row).await)
+    }
+
+    /// Replaces the survey of an exemplar, and gives it; none when there is none of that id.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn set_exemplar_survey(
+        &self,
+        database: &str,
+        id: Uuid,
+        survey: Option<&str>,
+    ) -> Result<Option<ExemplarRow>, CatalogueError> {
+        transaction!(self, c => exemplars::set_survey(c, database, id, survey).await)
     }
 
     /// The exemplar of that id.

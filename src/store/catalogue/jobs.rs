@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use jiff::Timestamp;
 use serde_json::json;
 use uuid::Uuid;
 
@@ -93,6 +94,14 @@ impl Catalogue {
     /// `Unavailable`, `Corrupt`.
     pub async fn job_events(&self, id: Uuid, after: i64) -> Result<Vec<JobEventRow>, CatalogueError> {
         statement!(self, c => job_events::list(c, id, after).await)
+    }
+
+    /// What happened to all jobs after a moment, in order; at most a thousand events.
+    ///
+    /// # Errors
+    /// `Unavailable`, `Corrupt`.
+    pub async fn job_events_since(&self, moment: Timestamp) -> Result<Vec<JobEventRow>, CatalogueError> {
+        statement!(self, c => job_events::since(c, moment).await)
     }
 
     /// How many jobs there are in each state that has any.

@@ -9,6 +9,7 @@ use crate::store::{CatalogueError, DatabaseCounts, ExemplarFilter, ExemplarRow};
 pub async fn an_exemplar_is_inserted_once_and_read_back_whole(catalogue: Shared) {
     let full = ExemplarRow {
         pose_deg: Some(359.75),
+        survey: Some(r#"{"size_mm":210.0}"#.to_owned()),
         robot_id: Some("r2".to_owned()),
         frame_id: Some("head".to_owned()),
         stamp: Some("12.000000034".to_owned()),
@@ -25,8 +26,16 @@ pub async fn an_exemplar_is_inserted_once_and_read_back_whole(catalogue: Shared)
     assert_eq!(stored, ExemplarRow { created_at: stored.created_at, ..full.clone() });
     assert_eq!(catalogue.exemplar("lab", full.id).await.unwrap(), Some(stored.clone()));
 
-    let other = ExemplarRow { label: "hall".to_owned(), ..full };
-    assert_eq!(catalogue.insert_exemplar(&other).await.unwrap(), (stored, false));
+    let other = ExemplarRow { label: "hall".to_owned(), ..full.clone() };
+    assert_eq!(catalogue.insert_exemplar(&other).await.unwrap(), (stored.clone(), false));
+    let without = ExemplarRow { survey: None, ..full.clone() };
+    assert_eq!(catalogue.insert_exemplar(&without).await.unwrap(), (stored.clone(), false));
+    let elsewhere = ExemplarRow { survey: Some(r#"{"size_mm":297.0}"#.to_owned()), ..full.clone() };
+    let (moved, created) = catalogue.insert_exemplar(&elsewhere).await.unwrap();
+    assert_eq!((&moved.survey, created), (&elsewhere.survey, false));
+    let cleared = catalogue.set_exemplar_survey("lab", full.id, None).await.unwrap();
+    assert_eq!(cleared, Some(ExemplarRow { survey: None, ..stored }));
+    assert_eq!(catalogue.set_exemplar_survey("lab", Uuid::from_u128(8), None).await.unwrap(), None);
     assert_eq!(catalogue.exemplar("lab", Uuid::from_u128(8)).await.unwrap(), None);
 }
 

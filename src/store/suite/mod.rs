@@ -105,6 +105,7 @@ fn exemplar(database: &str, number: u128, label: &str) -> ExemplarRow {
         label: label.to_owned(),
         negative: label.is_empty(),
         pose_deg: None,
+        survey: None,
         width_px: 640,
         height_px: 480,
         bytes: 12_345,

@@ -21,6 +21,8 @@ pub struct ExemplarRow {
     pub negative: bool,
     /// The object's turn about the vertical; none for a landmark, and where it isn't known.
     pub pose_deg: Option<f64>,
+    /// Where it was taken, with which camera, and how large it is, as JSON.
+    pub survey: Option<String>,
     /// Width of the image.
     pub width_px: u32,
     /// Height of the image.
@@ -51,6 +53,7 @@ impl FromRow for ExemplarRow {
             label: row.get("label")?,
             negative: row.get("negative")?,
             pose_deg: row.get("pose_deg")?,
+            survey: row.get("survey")?,
             width_px: row.unsigned("width_px")?,
             height_px: row.unsigned("height_px")?,
             bytes: row.unsigned("bytes")?,
@@ -95,23 +98,30 @@ impl ExemplarFilter {
     }
 }
 
-/// Adds an exemplar, or gives the existing one of that database and id unchanged, with `false`. Errors: `NotFound` for
-/// the database.
+/// Adds an exemplar, or gives the existing one of that database and id, with `false`: unchanged, but for the survey if the
+/// new one has any. Errors: `NotFound` for the database.
 pub async fn insert(
     connection: &mut Connection<'_>,
     new: &ExemplarRow,
 ) -> Result<(ExemplarRow, bool), CatalogueError> {
     loop {
         if let Some(existing) = find(connection, &new.database, new.id).await? {
-            return Ok((existing, false));
+            if new.survey.is_none() || new.survey == existing.survey {
+                return Ok((existing, false));
+            }
+            match set_survey(connection, &new.database, new.id, new.survey.as_deref()).await? {
+                Some(surveyed) => return Ok((surveyed, false)),
+                // deleted meanwhile
+                None => continue,
+            }
         }
         databases::lock_against_deletion(connection, &new.database).await?;
         // No row when another transaction inserted the exemplar meanwhile: the next turn finds that one.
         let inserted = connection
             .query(
-                "INSERT INTO exemplars (database, id, label, negative, pose_deg, width_px, height_px, bytes, sha256,
-                                        blob, media_type, robot_id, frame_id, stamp, created_at)
-                 VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, now_us())
+                "INSERT INTO exemplars (database, id, label, negative, pose_deg, survey, width_px, height_px, bytes,
+                                        sha256, blob, media_type, robot_id, frame_id, stamp, created_at)
+                 VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, now_us())
                  ON CONFLICT (database, id) DO NOTHING RETURNING *",
             )
             .bind(&new.database)
@@ -119,6 +129,7 @@ pub async fn insert(
             .bind(&new.label)
             .bind(new.negative)
             .bind(new.pose_deg)
+            .bind(&new.survey)
             .bind(i64::from(new.width_px))
             .bind(i64::from(new.height_px))
             .bind(to_column(new.bytes))
@@ -134,6 +145,22 @@ pub async fn insert(
             return Ok((inserted, true));
         }
     }
+}
+
+/// Replaces the survey of an exemplar, and gives it; none when there is none of that id.
+pub async fn set_survey(
+    connection: &mut Connection<'_>,
+    database: &str,
+    id: Uuid,
+    survey: Option<&str>,
+) -> Result<Option<ExemplarRow>, CatalogueError> {
+    connection
+        .query("UPDATE exemplars SET survey = $3 WHERE database = $1 AND id = $2 RETURNING *")
+        .bind(database)
+        .bind_id(id)
+        .bind(survey)
+        .fetch_optional()
+        .await
 }
 
 /// The exemplar of that id.

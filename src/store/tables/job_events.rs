@@ -49,6 +49,22 @@ pub async fn append(connection: &mut Connection<'_>, job: Uuid) -> Result<(), Ca
     Ok(())
 }
 
+/// The events of all jobs after a moment, in order; at most a thousand.
+pub async fn since(
+    connection: &mut Connection<'_>,
+    moment: Timestamp,
+) -> Result<Vec<JobEventRow>, CatalogueError> {
+    connection
+        .query(
+            "SELECT j.id, j.kind, j.database, j.calibration, j.params, j.created_at, e.*
+             FROM job_events e JOIN jobs j ON j.id = e.job
+             WHERE e.at > $1 ORDER BY e.at, e.job, e.sequence LIMIT 1000",
+        )
+        .bind(moment.as_microsecond())
+        .fetch_all()
+        .await
+}
+
 /// The events of a job after the one numbered `after`, in order.
 pub async fn list(
     connection: &mut Connection<'_>,

@@ -7,6 +7,7 @@
 pub mod aliases;
 pub mod audit;
 pub mod calibrations;
+pub mod cameras;
 pub mod databases;
 pub mod exemplars;
 pub mod job_events;
@@ -14,6 +15,7 @@ pub mod job_row;
 pub mod job_state;
 pub mod jobs;
 pub mod keys;
+pub mod named_documents;
 pub mod processes;
 pub mod versions;
 pub mod workcells;

@@ -7,6 +7,7 @@ pub mod inverted_index;
 pub mod mahalanobis;
 pub mod neighbours;
 pub mod radius_index;
+mod real_roots;
 pub mod symmetric;
 mod tree;
 
@@ -15,4 +16,5 @@ pub use inverted_index::{Code, Codebook, InvertedIndex, lists_for};
 pub use mahalanobis::ClassCovariance;
 pub use neighbours::{EigenpointIndex, Neighbour};
 pub use radius_index::{RadiusIndex, Search};
+pub use real_roots::real_roots;
 pub use symmetric::Symmetric;

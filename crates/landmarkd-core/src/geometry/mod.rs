@@ -6,10 +6,12 @@
 
 mod camera;
 mod map_pose;
+mod point_pair;
 mod rigid;
 
 pub use camera::{Camera, CameraFault};
 pub use map_pose::{MapPose, optical_in_body};
+pub use point_pair::PointPair;
 pub use rigid::RigidTransform;
 
 pub use glam::{DMat3, DQuat, DVec2, DVec3};

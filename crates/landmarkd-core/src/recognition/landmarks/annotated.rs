@@ -151,6 +151,7 @@ mod tests {
         let unsure = Recognition {
             a_contrario: None,
             also: vec![],
+            agreeing: Vec::new(),
             reasons: vec![],
             decision: None,
             points_found: 9,

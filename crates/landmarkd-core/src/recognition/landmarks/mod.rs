@@ -54,7 +54,8 @@ pub use parts::{EncodedParts, LandmarkParts, PartsError, PlainParts, WindowParts
 pub use placement::Placement;
 pub use reason::Reason;
 pub use recognition::{
-    AContrario, Also, Decision, Instance, LabelVote, PointVote, Recognition, Stage, VerifiedPlacement,
+    AContrario, AgreeingExemplar, Also, Decision, Instance, LabelVote, PointVote, Recognition, Stage,
+    VerifiedPlacement,
 };
 pub use synthetic_view::{SyntheticView, synthetic_views};
 pub use training::{TrainingError, TrainingReport};

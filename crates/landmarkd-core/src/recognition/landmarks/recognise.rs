@@ -56,6 +56,7 @@ pub(super) fn recognise(
         evidence: result.evidence,
         a_contrario: None,
         also: Vec::new(),
+        agreeing: Vec::new(),
         reasons: Vec::new(),
         warnings,
     }

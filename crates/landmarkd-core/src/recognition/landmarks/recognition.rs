@@ -46,6 +46,9 @@ pub struct Recognition {
     /// Other labels than the decision's that chance doesn't explain, best first: they look alike, overlap, or are in
     /// the frame too. Gradient signatures only.
     pub also: Vec<Also>,
+    /// The exemplars whose agreement with the frame chance doesn't explain, of any label, most evident first. Gradient
+    /// signatures only.
+    pub agreeing: Vec<AgreeingExemplar>,
     /// Why nothing was decided, the likeliest first. Gradient signatures only.
     pub reasons: Vec<Reason>,
     /// Reasons to doubt the answer.
@@ -61,6 +64,15 @@ pub struct AContrario {
     pub agreeing: usize,
     /// Windows of the frame that were matched with the exemplar.
     pub asked: usize,
+}
+
+/// An exemplar that agrees with a frame beyond chance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AgreeingExemplar {
+    /// Index into the model's exemplars.
+    pub exemplar: usize,
+    /// How unlikely that is by chance.
+    pub a_contrario: AContrario,
 }
 
 /// Another label that chance doesn't explain.

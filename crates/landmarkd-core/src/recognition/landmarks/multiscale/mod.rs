@@ -7,6 +7,7 @@
 mod a_contrario;
 pub(super) mod asked_frame;
 mod consensus;
+mod correspondences;
 mod decision;
 pub(super) mod description;
 pub(super) mod encoded_exemplars;

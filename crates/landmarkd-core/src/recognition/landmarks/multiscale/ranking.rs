@@ -15,7 +15,8 @@ use crate::recognition::landmarks::options::{Colour, Viewpoint};
 use crate::recognition::landmarks::placement::Placement;
 use crate::recognition::landmarks::reason::{Reason, reasons};
 use crate::recognition::landmarks::recognition::{
-    AContrario, Also, Decision, Instance, LabelVote, PointVote, Recognition, VerifiedPlacement,
+    AContrario, AgreeingExemplar, Also, Decision, Instance, LabelVote, PointVote, Recognition,
+    VerifiedPlacement,
 };
 use crate::recognition::landmarks::warning::{FEW_POINTS, Warning};
 use crate::vision::InterestPoint;
@@ -84,6 +85,7 @@ impl Ranking<'_> {
             evidence,
             a_contrario,
             also: also.collect(),
+            agreeing: self.agreeing(),
         }
     }
 
@@ -107,6 +109,21 @@ impl Ranking<'_> {
         let labels = best.iter().copied().filter(evident).count();
         let exemplar = || self.model.exemplars[found.exemplar].id.clone();
         (background == 0 || labels <= 1).then(|| Reason::KnownBackground { exemplar: exemplar() })
+    }
+
+    /// The exemplars that are evident; none where a negative exemplar is likeliest, or the frame is mirrored.
+    fn agreeing(&self) -> Vec<AgreeingExemplar> {
+        let is_unknown =
+            self.mirrored.is_some() || self.hypotheses.first().is_some_and(|found| self.is_negative(found));
+        let evident = self.hypotheses.iter().filter(|found| {
+            !is_unknown && !self.is_negative(found) && found.is_evident(self.model.options.least_evidence())
+        });
+        let mut agreeing: Vec<AgreeingExemplar> = evident
+            .map(|found| AgreeingExemplar { exemplar: found.exemplar, a_contrario: self.a_contrario(found) })
+            .collect();
+        agreeing
+            .sort_by(|a, b| a.a_contrario.log10_false_alarms.total_cmp(&b.a_contrario.log10_false_alarms));
+        agreeing
     }
 
     /// The likeliest hypothesis of each label, likeliest first.

@@ -3,6 +3,8 @@
 //! Logs go to standard error, one event a line, as text or JSON, each inside its request's span (method, path,
 //! request id, trace id). Metrics follow Prometheus: names end in their unit, counters in `_total`.
 
+pub mod otlp;
+
 use std::io::IsTerminal;
 use std::time::Duration;
 
@@ -17,12 +19,15 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::config::LogFormat;
 
-/// Starts logging for the whole process. `quiet` leaves only warnings: for verbs that print for people.
-pub fn start_logging(format: LogFormat, quiet: bool) {
+use self::otlp::Otlp;
+
+/// Starts logging for the whole process, and traces where they are exported. `quiet` leaves only warnings: for verbs that print
+/// for people.
+pub fn start_logging(format: LogFormat, quiet: bool, otlp: Option<&Otlp>) {
     let quieter = [("sqlx", Level::WARN), ("hyper", Level::WARN)];
     let filter =
         Targets::new().with_default(if quiet { Level::WARN } else { Level::INFO }).with_targets(quieter);
-    let registry = tracing_subscriber::registry().with(filter);
+    let registry = tracing_subscriber::registry().with(filter).with(otlp.map(Otlp::layer));
     // A second start in one process (tests) keeps the first; try_init's error is no more than that.
     let _ = match format {
         LogFormat::Text => {
@@ -101,6 +106,7 @@ impl Work {
                 "fetch",
                 "search",
                 "vote",
+                "locate",
                 "appearance",
                 "universal",
                 "object",
@@ -207,6 +213,14 @@ impl Metrics {
     /// Times one finished training.
     pub fn training(&self, took: Duration) {
         self.training_seconds.observe(took.as_secs_f64());
+    }
+
+    /// Exports what is counted and timed, too.
+    ///
+    /// # Errors
+    /// The collector's address can't be used.
+    pub fn export(&self, otlp: &mut Otlp) -> Result<(), otlp::OtlpError> {
+        otlp.export_metrics(&self.registry)
     }
 
     /// Everything in Prometheus' text format.

@@ -46,7 +46,7 @@ pub struct BagArgs {
     pub map_frame: String,
     /// What the map is called, where there are several, such as floors [default: as its frame]
     #[arg(long, value_name = "NAME", value_parser = map_of_text)]
-    pub map: Option<String>,
+    pub map: Option<Name>,
     /// The frame whose poses --pose-topic has [default: the top of /tf_static above the camera, else base_link]
     #[arg(long, value_name = "FRAME")]
     pub base_frame: Option<String>,
@@ -67,8 +67,8 @@ pub fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a number above 0".to_owned())
 }
 
-fn map_of_text(text: &str) -> Result<String, String> {
-    Name::parse(text).map(|name| name.to_string()).map_err(|error| error.to_string())
+fn map_of_text(text: &str) -> Result<Name, String> {
+    Name::parse(text).map_err(|error| error.to_string())
 }
 
 fn mount_of_text(text: &str) -> Result<MapPose, String> {
@@ -83,10 +83,10 @@ fn mount_of_text(text: &str) -> Result<MapPose, String> {
 
 /// A bag that was read once.
 #[derive(Debug)]
-pub struct Survey {
+pub struct Contents {
     recording: Recording,
     /// The name of the map that poses are in.
-    pub map: String,
+    pub map: Name,
     /// The topic of the pictures.
     pub image_topic: String,
     /// Its type.
@@ -356,12 +356,12 @@ fn camera_of(info: &CameraInfo, rectified: bool) -> Result<Camera, String> {
     if faults.is_empty() { Ok(camera) } else { Err(faults.join(", ")) }
 }
 
-impl Survey {
+impl Contents {
     /// Reads the bag at a path; calls `progress` with the bytes read and all.
     ///
     /// # Errors
     /// [`BagError`] for what is no bag, for topics that aren't there, and for messages that can't be read.
-    pub fn of(path: &Path, args: &BagArgs, progress: &mut dyn FnMut(u64, u64)) -> Result<Survey, BagError> {
+    pub fn of(path: &Path, args: &BagArgs, progress: &mut dyn FnMut(u64, u64)) -> Result<Contents, BagError> {
         let recording = Recording::open(path)?;
         let mut tree = TransformTree::new((args.max_gap_s * 1e9) as i64);
         let mut gathered = Gathered::default();
@@ -404,7 +404,7 @@ impl Survey {
         let map_frame = track.as_ref().map_or("map", |track| &track.map_frame);
         let map = args.map.clone().unwrap_or_else(|| name_of_frame(map_frame));
         let late_poses = track.as_mut().map_or(0, |track| track.tree.sort());
-        Ok(Survey {
+        Ok(Contents {
             recording,
             map,
             image_topic,
@@ -491,10 +491,10 @@ impl Survey {
 }
 
 /// Frames may have other characters than names.
-fn name_of_frame(frame: &str) -> String {
+fn name_of_frame(frame: &str) -> Name {
     let fits = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
     let name: String = frame.chars().map(|c| if fits(c) { c } else { '_' }).take(64).collect();
-    if Name::parse(&name).is_ok() { name } else { "map".to_owned() }
+    Name::parse(&name).unwrap_or_else(|_| Name::parse("map").expect("it is a name"))
 }
 
 /// Why a reading ended before the bag did.
@@ -668,11 +668,11 @@ mod tests {
         }
     }
 
-    fn surveyed(bytes: &[u8], args: &BagArgs) -> Result<Survey, BagError> {
+    fn read_once(bytes: &[u8], args: &BagArgs) -> Result<Contents, BagError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
         fs::write(&path, bytes).unwrap();
-        Survey::of(&path, args, &mut |_, _| ())
+        Contents::of(&path, args, &mut |_, _| ())
     }
 
     /// Pictures at 1.5 and 9 s, poses from 1 to 3 s, and a camera that looks to the left.
@@ -696,25 +696,25 @@ mod tests {
 
     #[test]
     fn the_camera_stands_on_the_base_as_tf_static_says_at_the_pictures_own_stamp() {
-        let survey = surveyed(&run().bytes(), &args()).unwrap();
-        assert_eq!((survey.pictures, survey.late_poses, survey.map.as_str()), (2, 1, "map"));
-        let pose = survey.pose_at(3 * SECOND / 2).unwrap();
+        let contents = read_once(&run().bytes(), &args()).unwrap();
+        assert_eq!((contents.pictures, contents.late_poses, contents.map.as_str()), (2, 1, "map"));
+        let pose = contents.pose_at(3 * SECOND / 2).unwrap();
         assert!((pose.x_m - 1.7).abs() < 1e-9 && (pose.yaw_deg - 90.0).abs() < 1e-6, "{pose:?}");
         assert!(pose.pitch_deg.abs() < 1e-6 && pose.roll_deg.abs() < 1e-6, "{pose:?}");
-        assert_eq!(survey.pose_at(9 * SECOND), None);
+        assert_eq!(contents.pose_at(9 * SECOND), None);
     }
 
     #[test]
     fn a_mount_that_is_given_wins_and_without_any_it_is_said_that_the_base_stands_in() {
         let mount = mount_of_text("0.1,0,0.5,-90,0,0").unwrap();
-        let survey = surveyed(&run().bytes(), &BagArgs { camera_mount: Some(mount), ..args() }).unwrap();
-        let pose = survey.pose_at(SECOND).unwrap();
+        let contents = read_once(&run().bytes(), &BagArgs { camera_mount: Some(mount), ..args() }).unwrap();
+        let pose = contents.pose_at(SECOND).unwrap();
         assert!((pose.x_m - 1.1).abs() < 1e-9 && (pose.yaw_deg + 90.0).abs() < 1e-6, "{pose:?}");
         let mut bare = run();
         bare.0.remove(0);
-        let survey = surveyed(&bare.bytes(), &args()).unwrap();
-        assert!(survey.notes.iter().any(|note| note.contains("--camera-mount")), "{:?}", survey.notes);
-        assert_eq!(survey.pose_at(SECOND).unwrap().x_m, 1.0);
+        let contents = read_once(&bare.bytes(), &args()).unwrap();
+        assert!(contents.notes.iter().any(|note| note.contains("--camera-mount")), "{:?}", contents.notes);
+        assert_eq!(contents.pose_at(SECOND).unwrap().x_m, 1.0);
         assert!(mount_of_text("1,2,3").is_err());
     }
 
@@ -722,16 +722,16 @@ mod tests {
     fn a_cut_file_gives_what_it_holds_and_says_what_is_lost() {
         let bytes = run().bytes();
         // behind the third message's chunk, in the middle of the next
-        let survey =
-            surveyed(&bytes[..bytes.len() * 2 / 5], &BagArgs { pose_topic: None, ..args() }).unwrap();
-        assert_eq!((survey.pictures, survey.losses.len()), (1, 1));
-        assert!(survey.losses[0].to_string().contains("mcap recover"), "{}", survey.losses[0]);
-        assert!(surveyed(&bytes, &args()).unwrap().losses.is_empty());
+        let contents =
+            read_once(&bytes[..bytes.len() * 2 / 5], &BagArgs { pose_topic: None, ..args() }).unwrap();
+        assert_eq!((contents.pictures, contents.losses.len()), (1, 1));
+        assert!(contents.losses[0].to_string().contains("mcap recover"), "{}", contents.losses[0]);
+        assert!(read_once(&bytes, &args()).unwrap().losses.is_empty());
     }
 
     #[test]
     fn what_is_not_there_or_of_another_kind_is_refused_with_what_to_do() {
-        let refused = |bag: &Bag, args: &BagArgs| surveyed(&bag.bytes(), args).unwrap_err().to_string();
+        let refused = |bag: &Bag, args: &BagArgs| read_once(&bag.bytes(), args).unwrap_err().to_string();
         let topic = |topic: &str| Some(topic.to_owned());
         let error = refused(&run(), &BagArgs { pose_topic: topic("/amcl_pose"), ..args() });
         assert!(error.contains("/pose (geometry_msgs/PoseStamped, 3 messages)"), "{error}");
@@ -748,7 +748,7 @@ mod tests {
         let mut broken = run();
         broken.0[1].3.truncate(9);
         assert!(refused(&broken, &args()).contains("/image"));
-        let none = surveyed(b"SQLite format 3", &args()).unwrap_err();
+        let none = read_once(b"SQLite format 3", &args()).unwrap_err();
         assert!(none.to_string().contains("no MCAP bag"), "{none}");
     }
 

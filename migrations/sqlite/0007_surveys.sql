@@ -1,0 +1,10 @@
+-- Where an exemplar was taken, with which camera, and how large it is: JSON, or NULL.
+ALTER TABLE exemplars ADD COLUMN survey TEXT;
+
+-- Intrinsics of cameras: their document is JSON.
+CREATE TABLE cameras (
+    name       TEXT    NOT NULL PRIMARY KEY,
+    document   TEXT    NOT NULL,
+    created_at INTEGER NOT NULL,
+    updated_at INTEGER NOT NULL
+) STRICT, WITHOUT ROWID;

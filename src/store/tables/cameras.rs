@@ -1,0 +1,5 @@
+//! The table `cameras`.
+
+use super::named_documents::named_documents;
+
+named_documents!("cameras");
