@@ -30,6 +30,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("workcell", &["recognition", "depth", "vision", "eigen", "imaging", "statistics"]),
     ("store", &[]),
     ("compute", &[]),
+    ("events", &[]),
     // Errors of the core have one code each.
     ("problem", &["depth", "imaging"]),
     ("access", &["store"]),
@@ -41,7 +42,18 @@ const ARROWS: &[(&str, &[&str])] = &[
     // Tensors of an artifact are columns of the index.
     (
         "database",
-        &["workcell", "recognition", "depth", "vision", "eigen", "column", "store", "compute", "telemetry"],
+        &[
+            "workcell",
+            "recognition",
+            "depth",
+            "vision",
+            "eigen",
+            "geometry",
+            "column",
+            "store",
+            "compute",
+            "telemetry",
+        ],
     ),
     // The rows of the job table and the artifact's write order are the store's; pictures are decoded before they are
     // described.
@@ -57,6 +69,9 @@ const ARROWS: &[(&str, &[&str])] = &[
             "problem",
             "config",
             "telemetry",
+            "events",
+            "geometry",
+            "localisation",
             "imaging",
             "vision",
             "recognition",
@@ -104,7 +119,10 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
     ("arc_swap", &["database/registry.rs", "access/keyring.rs"]),
     ("glob::", &["config.rs", "database", "access"]),
     ("rayon", &["compute.rs"]),
-    ("prometheus", &["telemetry.rs"]),
+    ("prometheus", &["telemetry"]),
+    ("opentelemetry", &["telemetry/otlp.rs"]),
+    ("tracing_opentelemetry", &["telemetry/otlp.rs"]),
+    ("csv::", &["http/pose_table.rs"]),
     (
         "tracing",
         &[
@@ -115,15 +133,15 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
             "connections.rs",
             "serve.rs",
             "tls.rs",
-            "telemetry.rs",
+            "telemetry",
             "main.rs",
             "demo",
             "evaluate",
         ],
     ),
-    ("tracing_subscriber", &["telemetry.rs"]),
+    ("tracing_subscriber", &["telemetry"]),
     // The body of an answer is given in pieces there.
-    ("axum::", &["http", "connections.rs"]),
+    ("axum::", &["http", "connections.rs", "telemetry/otlp.rs"]),
     // One type for what is kept, or given on the command line, and for the wire.
     ("utoipa", &["http", "access/scope.rs", "database", "jobs/training", "store/tables/job_state.rs"]),
     ("tower_http", &["http"]),
@@ -131,7 +149,7 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
     ("hyper", &["connections.rs"]),
     ("hyper_util", &["connections.rs"]),
     ("rustix", &["compute.rs", "serve.rs"]),
-    ("reqwest", &["main.rs", "client.rs", "bag", "demo"]),
+    ("reqwest", &["main.rs", "client.rs", "bag", "demo", "telemetry/otlp.rs"]),
     ("mcap", &["bag"]),
     ("cdr_encoding", &["bag/messages.rs"]),
     ("byteorder", &["bag/messages.rs"]),

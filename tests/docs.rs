@@ -165,6 +165,8 @@ fn relative_links_lead_somewhere() {
         "SECURITY.md",
         "clients/README.md",
         "clients/python/README.md",
+        "clients/ros2/landmarkd_ros/README.md",
+        "clients/vda5050/README.md",
         "docs/bags.md",
         "docs/choosing.md",
         "docs/data.md",

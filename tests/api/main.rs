@@ -25,6 +25,7 @@ mod hostile;
 mod jobs;
 mod keys;
 mod limits;
+mod localisation;
 mod main_job;
 mod negatives;
 mod objects;

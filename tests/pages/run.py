@@ -42,6 +42,7 @@ PAGES = [
     "clients/python/README.md",
     "clients/typescript/README.md",
     "clients/ros2/landmarkd_ros/README.md",
+    "clients/vda5050/README.md",
     "tests/browser/README.md",
 ]
 
@@ -50,6 +51,7 @@ FLEET = "needs PostgreSQL and a bucket; tests/fleet runs a fleet"
 NODE = "needs Node; clients/test.sh does it"
 ROS = "needs ROS 2"
 BAG = "needs a bag; tests/bags writes some"
+BROKER = "needs an MQTT broker; clients/test.sh runs one"
 # How a command begins, by page, and why it isn't run. A block in no language that is run here counts as one command.
 NOT_RUN = {
     "README.md": {"cargo test": BY_CI},
@@ -72,6 +74,14 @@ NOT_RUN = {
         "ln -s": ROS,
         "cd ~/ros2_ws": ROS,
         "ros2 launch": ROS,
+        "ros2 param": ROS,
+        "ros2 service": ROS,
+        "ros2 topic": ROS,
+        "docker build": "needs Docker and a network",
+    },
+    "clients/vda5050/README.md": {
+        "pip install": BROKER,
+        "python -m landmarkd_vda5050": BROKER,
     },
     "tests/browser/README.md": {"cargo build": BY_CI, "tests/browser/run.sh": BY_CI},
 }

@@ -9,16 +9,18 @@ import io
 import json
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from functools import partial
 from types import TracebackType
 from typing import Any, Literal, TypeVar
+from urllib.parse import urlsplit
 from uuid import UUID
 
 import httpx
 
 from ._generated import AuthenticatedClient
 from ._generated.api.databases import (
-    add_exemplar,
     begin_training,
     get_alias,
     get_database,
@@ -29,7 +31,7 @@ from ._generated.api.databases import (
 )
 from ._generated.api.depth import predict_optics
 from ._generated.api.jobs import get_job
-from ._generated.api.recognition import add_frame, begin_track, end_track, recognise
+from ._generated.api.recognition import begin_track, end_track
 from ._generated.api.service import info
 from ._generated.api.workcell import inspect
 from ._generated.models import (
@@ -59,11 +61,14 @@ from ._generated.types import File
 from .absent import wanted
 from .artifact import Artifact
 from .backoff import Backoff
+from .camera import Camera
 from .depth_map import PLANES, DepthMap
-from .job import Job, JobFailed, events
+from .event import Event, events
+from .job import Job, JobFailed
 from .optics import Optics
 from .options import Options
 from .picture import Picture, encoded, media_type
+from .pose import MapPose, Odometry
 from .problem import Problem, Unreachable
 from .recognition import Recognition
 from .track import Track, TrackedFrame
@@ -101,6 +106,7 @@ class Client:
         self.url = url.rstrip("/")
         self.robot_id = robot_id
         self.timeout_s = timeout_s
+        self._far = urlsplit(self.url).hostname not in ("127.0.0.1", "::1", "localhost")
         key = os.environ.get("LANDMARKD_KEY") if key is None else key
         self._http = httpx.Client(
             base_url=self.url,
@@ -154,27 +160,37 @@ class Client:
         pose_deg: float | None = None,
         *,
         negative: bool = False,
+        pose: MapPose | None = None,
+        camera: Camera | str | None = None,
+        size_mm: float | None = None,
         frame_id: str | None = None,
         stamp: str | None = None,
     ) -> ExemplarBody:
-        """Add a training image: what is seen (`label`) and, for objects, how it is turned, in degrees [0, 360).
+        """Add a training image for the next training. The same again is the same exemplar, with the newer `pose`.
 
-        With `negative=True` and `None` for the label the picture shows nothing known: what looks like it is background.
-        The same again is the same exemplar. It is learnt by the next training.
+        Args:
+            database: its name.
+            label: what is seen.
+            picture: a path, a file's bytes, an open file, or an array (see `Picture`).
+            pose_deg: for objects, how it is turned, in degrees [0, 360).
+            negative: with `None` for the label, the picture shows nothing known: what looks like it is background.
+            pose: where the camera was; with `size_mm`, where the landmark is.
+            camera: what it was taken with, or the name of a kept camera.
+            size_mm: for flat landmarks, the width of the picture on its plane.
+            frame_id: the robot's name for it; comes back.
+            stamp: when it was taken, RFC 3339 or `sec.nanosec`; comes back.
+
         """
-        image = upload(picture)
-        return self._typed(
-            ExemplarBody,
-            lambda: add_exemplar.sync(
-                database,
-                client=self.generated,
-                body=image,
-                label=wanted(label),
-                negative=wanted(negative or None),
-                pose_deg=wanted(pose_deg),
-                **self._header(frame_id, stamp),
-            ),
-        )
+        query = {
+            "label": label,
+            "negative": "true" if negative else None,
+            "pose_deg": pose_deg,
+            "size_mm": size_mm,
+            **(pose.body() if pose else {}),
+        }
+        path = f"/v1/databases/{database}/exemplars"
+        # The service keeps it as it comes.
+        return self._picture(ExemplarBody.from_dict, path, picture, query, camera, frame_id, stamp, small=True)
 
     def train(
         self,
@@ -227,10 +243,10 @@ class Client:
             timeout = httpx.Timeout(10, read=60)
             try:
                 with self._http.stream("GET", f"/v1/jobs/{job}/events", headers=headers, timeout=timeout) as stream:
-                    for event_id, data in events(stream.iter_lines()):
-                        last = event_id
+                    for event in events(stream.iter_lines()):
+                        last = event.id
                         backoff.succeeded()
-                        state = Job.of(JobBody.from_dict(data))
+                        state = Job.of(JobBody.from_dict(event.data))
                         if on_progress is not None:
                             on_progress(state)
                         if state.ended:
@@ -294,6 +310,7 @@ class Client:
         version: int | None = None,
         top: int = 5,
         explain: bool = False,
+        camera: Camera | str | None = None,
         frame_id: str | None = None,
         stamp: str | None = None,
     ) -> Recognition:
@@ -306,26 +323,19 @@ class Client:
             version: number of the version that answers.
             top: most labels in `votes` or `candidates`.
             explain: whether every point's vote is wanted.
+            camera: what it was taken with, or the name of a kept camera: for poses in metres.
             frame_id: the robot's name for it; comes back.
             stamp: when it was taken, RFC 3339 or `sec.nanosec`; comes back.
 
         """
-        image = upload(picture)
-        answer = self._send(
-            lambda: recognise.sync(
-                database,
-                client=self.generated,
-                body=image,
-                alias=wanted(alias),
-                version=wanted(version),
-                top=top,
-                explain=explain,
-                **self._header(frame_id, stamp),
-            )
-        )
-        if not isinstance(answer, (LandmarkRecognitionBody, ObjectRecognitionBody)):
-            raise unexpected(answer)
-        return Recognition.of(answer)
+        query = {"alias": alias, "version": version, "top": top, "explain": str(explain).lower()}
+        path = f"/v1/databases/{database}/recognitions"
+
+        def read(body: dict[str, Any]) -> Recognition:
+            kind = LandmarkRecognitionBody if body["kind"] == "landmarks" else ObjectRecognitionBody
+            return Recognition.of(kind.from_dict(body))
+
+        return self._picture(read, path, picture, query, camera, frame_id, stamp)
 
     def track(
         self, database: str, *, motion: Literal["auto", "path", "still"] = "auto", alias: str | None = None
@@ -334,27 +344,95 @@ class Client:
         body = NewTrack(motion=motion, alias=wanted(alias))
         begun = self._typed(TrackBody, lambda: begin_track.sync(database, client=self.generated, body=body))
 
-        def add(picture: Picture, *, top: int, explain: bool, frame_id: str | None, stamp: str | None) -> TrackedFrame:
-            image = upload(picture)
-            answer = self._send(
-                lambda: add_frame.sync(
-                    database,
-                    begun.id,
-                    client=self.generated,
-                    body=image,
-                    top=top,
-                    explain=explain,
-                    **self._header(frame_id, stamp),
-                )
-            )
-            if not isinstance(answer, (LandmarkTrackedFrameBody, ObjectTrackedFrameBody)):
-                raise unexpected(answer)
-            return TrackedFrame.of_track(answer)
+        def add(
+            picture: Picture,
+            *,
+            top: int,
+            explain: bool,
+            camera: Camera | str | None,
+            odometry: Odometry | None,
+            frame_id: str | None,
+            stamp: str | None,
+        ) -> TrackedFrame:
+            query = {"top": top, "explain": str(explain).lower(), **(asdict(odometry) if odometry else {})}
+            path = f"/v1/databases/{database}/tracks/{begun.id}/frames"
+
+            def read(body: dict[str, Any]) -> TrackedFrame:
+                kind = LandmarkTrackedFrameBody if body["kind"] == "landmarks" else ObjectTrackedFrameBody
+                return TrackedFrame.of_track(kind.from_dict(body))
+
+            return self._picture(read, path, picture, query, camera, frame_id, stamp)
 
         def end() -> None:
             self._send(lambda: end_track.sync_detailed(database, begun.id, client=self.generated))
 
         return Track(str(begun.id), begun.motion, begun.warnings, add, end)
+
+    # Cameras
+
+    def keep_camera(self, name: str, camera: Camera) -> None:
+        """Keep a camera, which pictures are then sent with by its name."""
+        self._send(lambda: self._http.put(f"/v1/cameras/{name}", json=camera.body()))
+
+    def camera(self, name: str) -> Camera:
+        """A kept camera."""
+        return self._send(lambda: Camera.of(self._http.get(f"/v1/cameras/{name}").json()))
+
+    def cameras(self) -> Iterator[str]:
+        """The names of the kept cameras."""
+        cursor: str | None = ""
+        while cursor is not None:
+            query = {"cursor": cursor} if cursor else {}
+            page = self._send(partial(self._http.get, "/v1/cameras", params=query)).json()
+            yield from (each["name"] for each in page["items"])
+            cursor = page.get("next_cursor")
+
+    def forget_camera(self, name: str) -> None:
+        """Forget a kept camera."""
+        self._send(lambda: self._http.delete(f"/v1/cameras/{name}"))
+
+    # What happens
+
+    def events(
+        self,
+        *,
+        database: str | None = None,
+        robot_id: str | None = None,
+        kinds: Sequence[Literal["decision", "version", "job"]] = (),
+    ) -> Iterator[Event]:
+        """Decisions, versions, jobs from now on. The stream doesn't end, and is taken up again where it broke off.
+
+        Args:
+            database: of this one alone.
+            robot_id: of this robot alone.
+            kinds: these alone; all if there are none.
+
+        Raises:
+            Problem: the service it refuses the stream for another reason than that it is busy, which is waited for.
+
+        """
+        query = {"database": database, "robot_id": robot_id, "kind": ",".join(kinds) or None}
+        asked = {name: value for name, value in query.items() if value is not None}
+        last, backoff = "", Backoff(first_s=0.2, most_s=10)
+        # The service sends something every 15 s.
+        timeout = httpx.Timeout(10, read=60)
+        while True:
+            headers = {"Accept": "text/event-stream"} | ({"Last-Event-ID": last} if last else {})
+            retry_after = None
+            try:
+                with self._http.stream("GET", "/v1/events", params=asked, headers=headers, timeout=timeout) as stream:
+                    backoff.succeeded()
+                    for event in events(stream.iter_lines()):
+                        last = event.id
+                        yield event
+            except httpx.TransportError:
+                # It broke off, or the service is away: it will be back.
+                pass
+            except Problem as problem:
+                if problem.status < 500 and problem.status != httpx.codes.TOO_MANY_REQUESTS:
+                    raise
+                retry_after = problem.retry_after
+            time.sleep(backoff.failed(retry_after))
 
     # Depth and workcells
 
@@ -377,9 +455,9 @@ class Client:
         """
         form = DepthForm(calibration=wanted(calibration))
         if apertures:
-            form.wide, form.narrow = upload(near), upload(far)
+            form.wide, form.narrow = self._upload(near), self._upload(far)
         else:
-            form.near, form.far = upload(near), upload(far)
+            form.near, form.far = self._upload(near), self._upload(far)
         if optics is not None:
             form.optics = optics.body()
         return self._depth(form.to_multipart(), options, frame_id, stamp)
@@ -398,7 +476,7 @@ class Client:
         `optics` has `focuses_mm` or `planes_mm`, one for each picture.
         """
         parts = DepthForm(optics=optics.body()).to_multipart()
-        parts.extend(("stack", upload(picture).to_tuple()) for picture in pictures)
+        parts.extend(("stack", self._upload(picture).to_tuple()) for picture in pictures)
         return self._depth(parts, options, frame_id, stamp)
 
     def _depth(
@@ -454,11 +532,11 @@ class Client:
 
         A focal pair (`near`, `far`) shows one part, that of `region`, or with `pair_view="overview"` the whole table.
         """
-        form = InspectionForm(overview=upload(overview))
+        form = InspectionForm(overview=self._upload(overview))
         if near is not None:
-            form.near = upload(near)
+            form.near = self._upload(near)
         if far is not None:
-            form.far = upload(far)
+            form.far = self._upload(far)
         return self._typed(
             InspectionBody,
             lambda: inspect.sync(
@@ -475,9 +553,39 @@ class Client:
 
     # How calls are made
 
+    def _upload(self, picture: Picture) -> File:
+        """A picture as a part of a form."""
+        content = encoded(picture, self._far)
+        return File(io.BytesIO(content), "picture", media_type(content))
+
     def _header(self, frame_id: str | None, stamp: str | None) -> dict[str, Any]:
         """The headers that go with a picture."""
         return {"x_robot_id": wanted(self.robot_id), "x_frame_id": wanted(frame_id), "x_stamp": wanted(stamp)}
+
+    def _picture(
+        self,
+        read: Callable[[dict[str, Any]], T],
+        path: str,
+        picture: Picture,
+        query: Mapping[str, Any],
+        camera: Camera | str | None,
+        frame_id: str | None,
+        stamp: str | None,
+        small: bool = False,
+    ) -> T:
+        """The answer to a picture, which is sent as it is, or in a form beside its camera."""
+        content = encoded(picture, small or self._far)
+        asked = {name: value for name, value in query.items() if value is not None}
+        robot = {"X-Robot-Id": self.robot_id, "X-Frame-Id": frame_id, "X-Stamp": stamp}
+        headers = {name: value for name, value in robot.items() if value is not None}
+        body: dict[str, Any]
+        if isinstance(camera, Camera):
+            body = {"files": [("image", ("picture", content, media_type(content))), json_part("camera", camera.body())]}
+        else:
+            asked |= {"camera": camera} if camera else {}
+            headers["Content-Type"] = media_type(content)
+            body = {"content": content}
+        return self._send(lambda: read(self._http.post(path, params=asked, headers=headers, **body).json()))
 
     def _send(self, ask: Callable[[], T]) -> T:
         """The answer to a call."""
@@ -485,6 +593,9 @@ class Client:
             return ask()
         except httpx.TransportError as error:
             raise Unreachable(f"{self.url} doesn't answer: {error or type(error).__name__}") from error
+        except (KeyError, TypeError, ValueError) as error:
+            # What the generated code says of an answer that isn't the service's, as a proxy's may be.
+            raise unexpected(error) from error
 
     def _typed(self, kind: type[T], ask: Callable[[], object]) -> T:
         """The answer to a call that has one type of answer."""
@@ -502,14 +613,9 @@ def refuse(response: httpx.Response) -> None:
 
 
 def unexpected(answer: object) -> Problem:
-    """The problem for an answer that the document doesn't have."""
-    return Problem(200, "", title="unexpected answer", detail=f"the service answered {type(answer).__name__}")
-
-
-def upload(picture: Picture) -> File:
-    """A picture as a part of a form."""
-    content = encoded(picture)
-    return File(io.BytesIO(content), "picture", media_type(content))
+    """The problem for an answer that the document doesn't have, or for what is wrong with it."""
+    what = repr(answer) if isinstance(answer, Exception) else type(answer).__name__
+    return Problem(200, "", title="unexpected answer", detail=f"the service answered {what}")
 
 
 def json_part(name: str, value: Mapping[str, Any]) -> tuple[str, Any]:

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from .camera import Camera
 from .picture import Picture
+from .pose import Odometry
 
 T = TypeVar("T")
 SUFFIXES = {".jpg", ".jpeg", ".png", ".pgm", ".ppm", ".pnm"}
@@ -23,6 +25,10 @@ class Frame:
     id: str
     picture: Picture
     stamp: str
+    camera: Camera | str | None = None
+    """What it was taken with, or the name that the service keeps it by."""
+    odometry: Odometry | None = None
+    """The way since the last frame of the track."""
 
 
 def stamp(time_s: float) -> str:
@@ -77,7 +83,7 @@ def watched(folder: Path, stop: threading.Event, poll_s: float = 0.05) -> Iterat
         yield Frame(newest.name, picture, stamp(time_ns / 1e9))
 
 
-def camera(number: int, stop: threading.Event) -> Iterator[Frame]:
+def captured(number: int, stop: threading.Event) -> Iterator[Frame]:
     """What a camera of this machine sees; needs OpenCV (`pip install 'landmarkd[camera]'`)."""
     import cv2
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from ._generated.models import ComparisonBody, JobBody
 from ._generated.models import Problem as ProblemBody
@@ -75,21 +72,3 @@ def problem(body: ProblemBody) -> Problem:
         errors=[FieldFault(fault.pointer, fault.detail) for fault in given(body.errors) or []],
         request_id=given(body.request_id),
     )
-
-
-def events(lines: Iterable[str]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Server-sent events: of each its id and its data, which is an object as JSON."""
-    last = ""
-    data: list[str] = []
-    for line in lines:
-        if not line:
-            if data:
-                yield last, json.loads("\n".join(data))
-            data = []
-        elif not line.startswith(":"):
-            name, _, value = line.partition(":")
-            value = value.removeprefix(" ")
-            if name == "id":
-                last = value
-            elif name == "data":
-                data.append(value)

@@ -1,8 +1,8 @@
 """A picture as the service takes it: a file's bytes, or an array of gray levels or colours.
 
 Arrays are H×W (gray) or H×W×3 (red, green, blue), of `uint8` or `uint16`, rows from the top. They are sent without
-loss: as PNG if Pillow is installed (`pip install 'landmarkd[pictures]'`), 16-bit ones and all without it as portable
-maps.
+loss: to another machine as PNG if Pillow is installed (`pip install 'landmarkd[pictures]'`), all others as portable
+maps, which cost no time to make.
 """
 
 from __future__ import annotations
@@ -30,10 +30,11 @@ SIGNATURES = {
 }
 
 
-def encoded(picture: Picture) -> bytes:
-    """The bytes of a file that the service reads."""
+def encoded(picture: Picture, small: bool) -> bytes:
+    """The bytes of a file that the service reads; of an array a `small` one, which takes time, or a plain one."""
     if isinstance(picture, np.ndarray):
-        return png(picture) if Image is not None and picture.dtype == np.uint8 else portable_map(picture)
+        packed = small and Image is not None and picture.dtype == np.uint8
+        return png(picture) if packed else portable_map(picture)
     if isinstance(picture, (bytes, bytearray, memoryview)):
         return bytes(picture)
     if isinstance(picture, (str, os.PathLike)):

@@ -18,6 +18,7 @@ from ._generated.models import (
     VoteBody,
 )
 from .absent import given
+from .pose import PlacePose
 
 Body = LandmarkRecognitionBody | ObjectRecognitionBody | LandmarkTrackedFrameBody | ObjectTrackedFrameBody
 
@@ -69,8 +70,9 @@ class Recognition:
     """Landmarks, with `explain`: every point's vote."""
     candidates: list[CandidateBody] = field(default_factory=list)
     """Objects: those compared in their own eigenspaces, the likeliest first."""
-    pose: PoseBody | None = None
-    """Objects: how it is turned, in degrees. Act on it if `reliable`."""
+    pose: PoseBody | PlacePose | None = None
+    """Objects: how it is turned, in degrees; act on it if `reliable`. Landmarks whose exemplars have poses: where the
+    camera is in the map."""
 
     @classmethod
     def of(cls, body: Body) -> Recognition:
@@ -103,5 +105,12 @@ def fields(body: Body) -> dict[str, Any]:
             "points_used": body.points_used,
             "points_found": body.points_found,
             "points": given(body.points),
+            "pose": place_pose(body),
         }
     return common | {"candidates": body.candidates, "pose": given(body.pose)}
+
+
+def place_pose(body: LandmarkRecognitionBody | LandmarkTrackedFrameBody) -> PlacePose | None:
+    """Where the camera is; `None` if the exemplars have no poses or the frame doesn't tell."""
+    pose = body.to_dict().get("pose")
+    return None if pose is None else PlacePose.of(pose)

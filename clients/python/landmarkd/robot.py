@@ -34,9 +34,11 @@ from typing import Literal
 
 from .backoff import Backoff
 from .belief import Belief, Rates
+from .camera import Camera
 from .client import Client
-from .frames import Frame, Newest, camera, played, watched
+from .frames import Frame, Newest, captured, played, watched
 from .kept_version import KeptVersion
+from .pose import PlacePose
 from .problem import Problem, Unreachable
 from .recognition import Recognition
 from .sighting import Sighting, Source
@@ -61,6 +63,7 @@ class Robot:
         database: which places.
         tracked: whether frames go to a track; otherwise each is asked about alone.
         motion: how the track takes the robot to move.
+        camera: what frames are taken with that don't say so themselves, or the name of a kept camera: for poses.
         kept: where the version in use is kept; `None` keeps none.
         stand_in: the local service; `None` if there is none.
         refresh_s: how often the version in use is checked, in seconds.
@@ -76,6 +79,7 @@ class Robot:
         *,
         tracked: bool = True,
         motion: Motion = "auto",
+        camera: Camera | str | None = None,
         kept: KeptVersion | None = None,
         stand_in: StandIn | None = None,
         refresh_s: float = 60.0,
@@ -86,12 +90,15 @@ class Robot:
         self.database = database
         self.tracked = tracked
         self.motion: Motion = motion
+        self.camera = camera
         self.kept = kept
         self.stand_in = stand_in
         self.refresh_s = refresh_s
         self.patience_s = patience_s
         self.unanswered = 0
         """Frames that nobody answered, or that were no pictures."""
+        self.missed: Problem | Unreachable | None = None
+        """Why the service didn't answer the last frame that it was asked about; `None` if it did."""
         self._backoff = backoff or Backoff()
         self._local_backoff = Backoff()
         self._away_since: float | None = None
@@ -171,6 +178,7 @@ class Robot:
             if problem.code not in BAD_PICTURES:
                 raise
             log.warning("frame %s: %s", frame.id, problem)
+            self.missed = problem
             self._unreadable = frame
         return None
 
@@ -180,12 +188,13 @@ class Robot:
         try:
             sighting = self._on_track(frame, began) if self.tracked else self._single(frame, began)
         except Unreachable as error:
-            self._missed(str(error), self._backoff.failed())
+            self._missed(error, self._backoff.failed())
         except Problem as problem:
             if problem.status < 500 and problem.status not in PASSING:
                 raise
-            self._missed(str(problem), self._backoff.failed(problem.retry_after))
+            self._missed(problem, self._backoff.failed(problem.retry_after))
         else:
+            self.missed = None
             if self._away_since is not None:
                 log.info("%s is back after %.1f s", self.client.url, time.monotonic() - self._away_since)
                 self._away_since = None
@@ -195,8 +204,9 @@ class Robot:
             return sighting
         return None
 
-    def _missed(self, why: str, wait_s: float) -> None:
+    def _missed(self, why: Problem | Unreachable, wait_s: float) -> None:
         """Note that the service didn't answer."""
+        self.missed = why
         if self._away_since is None:
             self._away_since = time.monotonic()
         log.info("%s; asked again in %.1f s", why, wait_s)
@@ -214,7 +224,13 @@ class Robot:
                     self.tracked = False
                     return self._single(frame, began)
             try:
-                answer = self._track.frame(frame.picture, frame_id=frame.id, stamp=frame.stamp)
+                answer = self._track.frame(
+                    frame.picture,
+                    camera=frame.camera or self.camera,
+                    odometry=frame.odometry,
+                    frame_id=frame.id,
+                    stamp=frame.stamp,
+                )
             except Problem as problem:
                 # It ended, or the process that had it: another one, which begins anew.
                 if problem.code != "unknown_track":
@@ -236,12 +252,15 @@ class Robot:
                 warnings=answer.warnings,
                 asked_ms=1000 * (time.monotonic() - began),
                 answer=answer,
+                pose=place(answer),
             )
         raise Unreachable(f"{self.client.url} forgets tracks at once: are robots sent to one process each?")
 
     def _single(self, frame: Frame, began: float) -> Sighting:
         """The robot's own belief, by an answer of the service."""
-        answer = self.client.recognise(self.database, frame.picture, frame_id=frame.id, stamp=frame.stamp)
+        answer = self.client.recognise(
+            self.database, frame.picture, camera=frame.camera or self.camera, frame_id=frame.id, stamp=frame.stamp
+        )
         return self._own(frame, answer, self._believe(self.client, answer), "single", began)
 
     def _own(self, frame: Frame, answer: Recognition, belief: Belief, source: Source, began: float) -> Sighting:
@@ -260,6 +279,7 @@ class Robot:
             warnings=answer.warnings,
             asked_ms=1000 * (time.monotonic() - began),
             answer=answer,
+            pose=place(answer),
         )
 
     def _believe(self, client: Client, answer: Recognition) -> Belief:
@@ -288,7 +308,14 @@ class Robot:
             local = self.stand_in.start(self.kept)
             if started:
                 log.info("%s answers from the kept version in its place", local.url)
-            answer = local.recognise(self.database, frame.picture, frame_id=frame.id, stamp=frame.stamp)
+            answer = local.recognise(
+                self.database,
+                frame.picture,
+                # It doesn't keep the cameras that the real one has by name.
+                camera=camera if isinstance(camera := frame.camera or self.camera, Camera) else None,
+                frame_id=frame.id,
+                stamp=frame.stamp,
+            )
             belief = self._believe(local, answer)
         except Problem as problem:
             if problem.code in BAD_PICTURES:
@@ -322,6 +349,11 @@ class Robot:
         self._keeper.start()
 
 
+def place(answer: Recognition) -> PlacePose | None:
+    """The pose of an answer, if it is one in a map."""
+    return answer.pose if isinstance(answer.pose, PlacePose) else None
+
+
 def counted(sighting: Sighting, dropped: int) -> Sighting:
     """The sighting with the number of frames that were dropped until then."""
     return replace(sighting, dropped=dropped)
@@ -348,6 +380,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--motion", choices=("auto", "path", "still"), default="auto", help="of the track (%(default)s)"
     )
+    parser.add_argument("--camera-name", metavar="NAME", help="what took them: a camera that the service keeps")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the version in use here")
     parser.add_argument(
         "--local-binary", type=Path, metavar="FILE", help="landmarkd, to answer while the service is away"
@@ -381,7 +414,7 @@ def main(words: list[str] | None = None) -> int:
         if args.frames
         else watched(args.watch, stop)
         if args.watch
-        else camera(args.camera, stop)
+        else captured(args.camera, stop)
     )
     kept = KeptVersion(args.keep / "version") if args.keep else None
     robot = Robot(
@@ -389,6 +422,7 @@ def main(words: list[str] | None = None) -> int:
         args.database,
         tracked=not args.single,
         motion=args.motion,
+        camera=args.camera_name,
         kept=kept,
         stand_in=StandIn(args.local_binary, args.keep / "data") if args.local_binary else None,
         refresh_s=args.refresh_s,

@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Literal
 
+from .pose import PlacePose
 from .recognition import Decision, Recognition
 from .track import LabelBelief
 
@@ -38,6 +39,8 @@ class Sighting:
     """From the question to the answer, in milliseconds."""
     answer: Recognition
     """All of this frame's answer, with the evidence."""
+    pose: PlacePose | None = None
+    """Where the camera is in the map, by the same as `belief`; `None` if nobody knows."""
     dropped: int = 0
     """Frames so far that nobody was asked about: a newer one came first, or nobody answered."""
 
@@ -46,6 +49,8 @@ class Sighting:
         words = [f"{each.label} {each.probability:.2f}" for each in self.belief]
         words.append(f"elsewhere {self.elsewhere:.2f}")
         where = self.decision.label if self.decision else "?"
+        if self.pose is not None and not self.pose.lost:
+            where += f" at {self.pose.x_m:.2f} m, {self.pose.y_m:.2f} m, {self.pose.yaw_deg:.0f}°"
         by = f"{self.source}, version {self.version}, {self.asked_ms:.0f} ms"
         return f"{self.frame_id}: {where} ({', '.join(words)}) by {by}"
 

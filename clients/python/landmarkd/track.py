@@ -8,7 +8,9 @@ from types import TracebackType
 
 from ._generated.models import LabelBeliefBody, LandmarkTrackedFrameBody, ObjectTrackedFrameBody
 from .absent import given
+from .camera import Camera
 from .picture import Picture
+from .pose import Odometry
 from .recognition import Decision, Recognition, decision, fields
 
 
@@ -77,11 +79,18 @@ class Track:
         *,
         top: int = 5,
         explain: bool = False,
+        camera: Camera | str | None = None,
+        odometry: Odometry | None = None,
         frame_id: str | None = None,
         stamp: str | None = None,
     ) -> TrackedFrame:
-        """Add the next frame. The last one sent again, with its `frame_id`, isn't counted twice."""
-        return self._add(picture, top=top, explain=explain, frame_id=frame_id, stamp=stamp)
+        """Add the next frame. The last one sent again, with its `frame_id`, isn't counted twice.
+
+        With a `camera` (or the name of a kept one) and the `odometry` since the frame before it tells a better `pose`.
+        """
+        return self._add(
+            picture, top=top, explain=explain, camera=camera, odometry=odometry, frame_id=frame_id, stamp=stamp
+        )
 
     def end(self) -> None:
         """End it: the service forgets it."""

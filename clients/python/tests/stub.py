@@ -6,11 +6,27 @@ import json
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
+from urllib.parse import parse_qsl
 
-Answer = tuple[int, dict[str, Any], dict[str, str]]
+Document = tuple[int, dict[str, Any], dict[str, str]]
 """Status, body, headers."""
+Answer = Document | tuple[int, str, dict[str, str]]
+"""The same, or with the text of a stream of events."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was sent."""
+
+    method: str
+    path: str
+    query: dict[str, str]
+    headers: dict[str, str]
+    """By their names in small letters."""
+    body: bytes
 
 
 class Stub:
@@ -18,19 +34,25 @@ class Stub:
 
     def __init__(self, answer: Callable[[str, str], Answer]) -> None:
         asked = self.asked = list[tuple[float, str, str]]()
+        requests = self.requests = list[Request]()
 
         class Handler(BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
 
             def answer(self) -> None:
-                self.rfile.read(int(self.headers.get("Content-Length", 0)))
-                asked.append((time.monotonic(), self.command, self.path.partition("?")[0]))
-                status, body, headers = answer(self.command, self.path.partition("?")[0])
-                content = json.dumps(body).encode()
+                sent = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+                path, _, query = self.path.partition("?")
+                heads = {name.lower(): value for name, value in self.headers.items()}
+                asked.append((time.monotonic(), self.command, path))
+                requests.append(Request(self.command, path, dict(parse_qsl(query)), heads, sent))
+                status, body, headers = answer(self.command, path)
+                stream = isinstance(body, str)
+                content = b"" if status == 204 else (body if isinstance(body, str) else json.dumps(body)).encode()
                 self.send_response(status)
                 for name, value in headers.items():
                     self.send_header(name, value)
-                self.send_header("Content-Type", "application/json" if status < 400 else "application/problem+json")
+                usual = "application/json" if status < 400 else "application/problem+json"
+                self.send_header("Content-Type", "text/event-stream" if stream else usual)
                 self.send_header("Content-Length", str(len(content)))
                 self.end_headers()
                 self.wfile.write(content)
@@ -51,13 +73,13 @@ class Stub:
         self.server.server_close()
 
 
-def refusal(status: int, code: str, retry_after: str | None = None) -> Answer:
+def refusal(status: int, code: str, retry_after: str | None = None) -> Document:
     """A problem document."""
     body = {"type": f"/problems/{code}", "title": code, "status": status, "detail": "later", "code": code}
     return status, body, {} if retry_after is None else {"Retry-After": retry_after}
 
 
-def recognition(label: str | None) -> Answer:
+def recognition(label: str | None) -> Document:
     """An answer of a database of landmarks."""
     return 200, {
         "database": "home", "kind": "landmarks", "version": 1, "digest": "d", "header": {}, "warnings": [],
@@ -69,7 +91,31 @@ def recognition(label: str | None) -> Answer:
     }, {}  # fmt: skip
 
 
-def version() -> Answer:
+def tracked(label: str, number: int, **more: Any) -> Document:
+    """An answer of a track of landmarks."""
+    status, body, headers = recognition(label)
+    of_track = {
+        "track": TRACK,
+        "frame": {"number": number, "counted": True, "decision": body["decision"]},
+        "belief": [{"label": label, "probability": 0.9, "exemplar": "e"}],
+        "elsewhere": 0.1,
+        "motion": "still",
+        "expires_at": "2026-01-01T00:00:00Z",
+    }
+    return status, body | of_track | more, headers
+
+
+TRACK = "00000000-0000-0000-0000-000000000001"
+
+
+def began() -> Document:
+    """A track that was begun."""
+    begun = {"id": TRACK, "database": "home", "alias": "current", "version": 1, "motion": "still", "frames": 0}
+    now = "2026-01-01T00:00:00Z"
+    return 201, begun | {"warnings": [], "created_at": now, "expires_at": now}, {}
+
+
+def version() -> Document:
     """Version 1, of three labels."""
     return 200, {
         "version": 1, "digest": "d", "created_at": "2026-01-01T00:00:00Z", "revision": 1, "artifact_bytes": 1,

@@ -35,7 +35,11 @@ def test_arrays_are_those_of_the_file_byte_for_byte(
 ) -> None:
     depth = client.depth(*pair, optics=OPTICS)
     optics = {name: value for name, value in dataclasses.asdict(OPTICS).items() if value is not None}
-    files: dict[str, Any] = {"near": encoded(pair[0]), "far": encoded(pair[1]), "optics": (None, json.dumps(optics))}
+    files: dict[str, Any] = {
+        "near": encoded(pair[0], False),
+        "far": encoded(pair[1], False),
+        "optics": (None, json.dumps(optics)),
+    }
 
     def file(planes: str) -> bytes:
         url = f"{service.url}/v1/depth-maps?planes={planes}"

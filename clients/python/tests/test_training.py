@@ -13,7 +13,7 @@ from service import Service
 from landmarkd import Artifact, Client, Job, JobFailed, Problem
 from landmarkd._generated.api.databases import list_versions
 from landmarkd._generated.models import PageVersionBody
-from landmarkd.job import events
+from landmarkd.event import Event, events
 
 
 def test_training_tells_its_progress(client: Client) -> None:
@@ -57,7 +57,7 @@ def test_a_failed_training_is_an_exception(client: Client) -> None:
 
 def test_events_are_read_as_the_standard_has_them() -> None:
     lines = [": hello", "", "id: 1", 'data: {"a":', "data:1}", "", "event: x", "id:2", 'data: {"b": 2}', "", "data: {"]
-    assert list(events(lines)) == [("1", {"a": 1}), ("2", {"b": 2})]
+    assert list(events(lines)) == [Event("1", "message", {"a": 1}), Event("2", "x", {"b": 2})]
 
 
 def test_an_artifact_is_fetched_once(client: Client, home: str) -> None:

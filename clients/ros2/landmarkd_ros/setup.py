@@ -16,7 +16,9 @@ setup(
         (f"share/{PACKAGE}/launch", glob("launch/*.launch.py")),
         (f"share/{PACKAGE}/config", glob("config/*.yaml")),
     ],
-    install_requires=["setuptools", "landmarkd"],
+    install_requires=["setuptools", "landmarkd", "numpy", "pillow"],
+    # Definitions of messages and bags without ROS.
+    extras_require={"test": ["pytest", "rosbags>=0.10"]},
     zip_safe=True,
     maintainer="The landmarkd maintainers",
     maintainer_email="maintainers@landmarkd.invalid",

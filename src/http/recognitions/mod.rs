@@ -32,8 +32,8 @@ use crate::telemetry::Work;
 use landmarkd_core::imaging::{self, Frame};
 
 use landmarks::{Chosen, LandmarkEvidence, LandmarkStages};
-pub(super) use localisation::PlacePoseBody;
 use localisation::Surveyed;
+pub(super) use localisation::{PlacePoseBody, flat};
 use objects::{ObjectEvidence, ObjectStages};
 
 pub(super) use objects::{CandidateBody, PoseBody};
@@ -102,6 +102,16 @@ pub struct RecognitionBody {
 }
 
 impl EvidenceBody {
+    /// Replaces where the camera is; gives what it was.
+    pub fn replace_pose(&mut self, pose: Option<PlacePoseBody>) -> Option<PlacePoseBody> {
+        match self {
+            Self::Landmarks(evidence) => {
+                evidence.pose.as_mut().and_then(|of_frame| std::mem::replace(of_frame, pose))
+            }
+            Self::Objects(_) => None,
+        }
+    }
+
     /// Where the camera is, if the version's exemplars have poses.
     pub fn pose(&self) -> Option<&PlacePoseBody> {
         match self {
@@ -309,7 +319,8 @@ enum Visited<T, Add> {
     Chosen(Frame, Chosen, Add),
 }
 
-/// Decodes and recognises on computing threads. Calls `add` there with the picture's bytes and W of every exemplar.
+/// Decodes and recognises on computing threads. Calls `add` there with the picture's bytes, W of every exemplar and where the
+/// frame was taken.
 ///
 /// # Errors
 /// The picture can't be decoded or isn't of the database's size, too much waits already, or the version's windows can't be
@@ -319,7 +330,7 @@ pub(super) async fn recognise<T: Send + 'static>(
     version: &Arc<LoadedVersion>,
     picture: Picture,
     wanted: Wanted,
-    add: impl FnOnce(&[u8], &[f64]) -> T + Send + 'static,
+    add: impl FnOnce(&[u8], &[f64], Option<&PlacePoseBody>) -> T + Send + 'static,
 ) -> Result<(Recognised, T), Problem> {
     let limits = service.decode;
     // a drawing shows the picture as it was posted
@@ -348,7 +359,7 @@ pub(super) async fn recognise<T: Send + 'static>(
             }
             Model::Objects(model) => objects::answer(&frame, model, wanted, &mut clock)?,
         };
-        let added = add(&bytes, &answer.exemplar_weights);
+        let added = add(&bytes, &answer.exemplar_weights, answer.evidence.pose());
         Ok::<_, Problem>((Visited::Answered(answer, added), clock))
     };
     let (visited, mut queue) = service.compute.run(Lane::Recognition, memory, visit).await?;
@@ -371,7 +382,7 @@ pub(super) async fn recognise<T: Send + 'static>(
                 let kept = read.kept();
                 let answer =
                     landmarks::answer_among(&frame, model, &chosen, kept, &surveyed, wanted, &mut clock)?;
-                let added = add(&picture.bytes, &answer.exemplar_weights);
+                let added = add(&picture.bytes, &answer.exemplar_weights, answer.evidence.pose());
                 Ok::<_, Problem>((answer, added, clock))
             };
             let (done, second) = service.compute.run(Lane::Recognition, memory, again).await?;
@@ -455,7 +466,7 @@ pub async fn post(
         return Err(Problem::new(Code::NotAcceptable, text));
     }
     let picture = frame.admitted(&service)?;
-    let (mut recognised, ()) = recognise(&service, &version, picture, wanted, |_, _| ()).await?;
+    let (mut recognised, ()) = recognise(&service, &version, picture, wanted, |_, _, _| ()).await?;
     let response = match recognised.answer.drawn.take() {
         Some(Drawn { png, distance_from_space }) => {
             let mut response = drawn(&version, png);
@@ -508,7 +519,7 @@ pub async fn post_batch(
         let (service, version, header) = (&service, &version, header.clone());
         running.push_back(async move {
             let picture = Picture::of(named?, &service.decode)?;
-            let (recognised, ()) = recognise(service, version, picture, wanted, |_, _| ()).await?;
+            let (recognised, ()) = recognise(service, version, picture, wanted, |_, _, _| ()).await?;
             let body = render(version, header, recognised);
             events::decided(service, &body, None);
             Ok(body)

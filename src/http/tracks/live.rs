@@ -18,6 +18,8 @@ use uuid::Uuid;
 use crate::config::Limits;
 use crate::database::{FrameHeader, Name};
 use crate::http::problem::{Code, Problem};
+use crate::http::recognitions::{PlacePoseBody, flat};
+use landmarkd_core::localisation::{Estimate, Odometry, PlanePose, PoseFilter};
 use landmarkd_core::recognition::landmarks::{Belief, ExemplarName};
 
 /// Frames of one track that may wait for those before them: a second's worth of a slow camera. A robot that sends faster
@@ -53,6 +55,8 @@ pub struct Track {
     pub digest: String,
     pub exemplars: Arc<[ExemplarName]>,
     pub belief: Belief,
+    /// Where the robot is in a map, from the first frame on that tells.
+    pub localisation: Option<Localisation>,
     /// Frames that were counted.
     pub frames: u64,
     /// The last frame, if it had an id.
@@ -60,6 +64,58 @@ pub struct Track {
     pub created_at: Timestamp,
     /// When its last frame was answered.
     pub used_at: Timestamp,
+}
+
+/// Where a robot is in a map.
+#[derive(Clone)]
+pub struct Localisation {
+    map: String,
+    filter: PoseFilter,
+    /// The exemplars that the last fix rests on.
+    support: Vec<String>,
+    /// A fix in another map came last: two in a row, and the robot is there.
+    elsewhere: bool,
+}
+
+impl Localisation {
+    fn new(map: &str, seed: u64) -> Self {
+        Self { map: map.into(), filter: PoseFilter::new(seed), support: Vec::new(), elsewhere: false }
+    }
+
+    /// The robot moved, and a frame may have said where it is.
+    fn after(mut self, odometry: Option<&Odometry>, fix: Option<&PlacePoseBody>, seed: u64) -> Self {
+        self.filter.predict(odometry);
+        let Some(fix) = fix else { return self };
+        if fix.map != self.map {
+            if !self.elsewhere {
+                return Self { elsewhere: true, ..self };
+            }
+            self = Self::new(&fix.map, seed);
+        }
+        let covariance = std::array::from_fn(|row| std::array::from_fn(|at| fix.covariance[3 * row + at]));
+        self.filter.update(&PlanePose { x_m: fix.x_m, y_m: fix.y_m, yaw_deg: fix.yaw_deg, covariance });
+        Self { support: fix.support.clone(), elsewhere: false, ..self }
+    }
+
+    /// Memory held, about.
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + PoseFilter::BYTES
+    }
+
+    /// Where the robot is by all frames.
+    pub fn pose(&self) -> Option<PlacePoseBody> {
+        let Estimate { pose, lost } = self.filter.estimate()?;
+        Some(PlacePoseBody {
+            map: self.map.clone(),
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            yaw_deg: pose.yaw_deg,
+            covariance: flat(&pose.covariance),
+            method: "track",
+            support: self.support.clone(),
+            lost: Some(lost),
+        })
+    }
 }
 
 /// What identifies a frame within its track: the robot's header and a hash of its picture.
@@ -70,9 +126,17 @@ pub struct FrameMark {
 }
 
 impl Track {
-    /// The same after a frame with those bytes and W of every exemplar, and whether the frame was counted: the last one
-    /// sent again is not. A frame without an id is never taken for a repeat.
-    pub fn after(mut self, header: FrameHeader, bytes: &[u8], weights: &[f64]) -> (Self, bool) {
+    /// The same after a frame with those bytes, the motion since the one before, W of every exemplar and where the frame was
+    /// taken; and whether the frame was counted: the last one sent again is not. A frame without an id is never taken for a
+    /// repeat.
+    pub fn after(
+        mut self,
+        header: FrameHeader,
+        bytes: &[u8],
+        odometry: Option<&Odometry>,
+        weights: &[f64],
+        fix: Option<&PlacePoseBody>,
+    ) -> (Self, bool) {
         let mark = header.frame_id.is_some().then(|| {
             let mut hasher = DefaultHasher::new();
             bytes.hash(&mut hasher);
@@ -81,6 +145,11 @@ impl Track {
         let is_repeat = mark.is_some() && mark == self.last;
         if !is_repeat {
             self.belief.add(weights);
+            // The seed is the track's and the frame's: the same frames give the same poses.
+            let seed = self.id.as_u64_pair().1 ^ self.frames;
+            let before = self.localisation.take();
+            let before = before.or_else(|| fix.map(|fix| Localisation::new(&fix.map, seed)));
+            self.localisation = before.map(|localisation| localisation.after(odometry, fix, seed));
             self.frames += 1;
             self.last = mark;
         }
@@ -92,7 +161,8 @@ impl Track {
     fn bytes(&self) -> u64 {
         let name = |name: &ExemplarName| size_of::<ExemplarName>() + name.id.len() + name.label.len();
         let exemplars: usize = self.exemplars.iter().map(name).sum();
-        (size_of::<Self>() + self.belief.bytes() + exemplars) as u64
+        let particles = self.localisation.as_ref().map_or(0, |localisation| localisation.bytes());
+        (size_of::<Self>() + self.belief.bytes() + exemplars + particles) as u64
     }
 }
 

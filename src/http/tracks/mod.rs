@@ -15,16 +15,19 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 pub use self::live::Tracks;
-use self::live::{MotionWord, Track};
-use super::exemplars::ImageForm;
-use super::extract::{Json as JsonIn, Path, Query};
+use self::live::{Localisation, MotionWord, Track};
+use super::cameras::CameraReference;
+use super::extract::{Json as JsonIn, Path, Query, from_json};
 use super::pages::{Page, PageQuery, Paging};
 use super::paths::DatabasePath;
 use super::problem::{Code, Problem};
-use super::recognitions::{DecisionBody, RecognitionBody, Wanted, recognise, render, version_for};
-use super::uploads::{OnePicture, RobotHeader};
+use super::recognitions::{
+    DecisionBody, PlacePoseBody, RecognitionBody, Wanted, recognise, render, version_for,
+};
+use super::uploads::{OnePicture, RobotHeader, Texts};
 use super::{Service, events};
 use crate::database::{CURRENT, Databases, LoadedVersion, Model, Name};
+use landmarkd_core::localisation::Odometry;
 use landmarkd_core::recognition::landmarks::{Belief, Landmarks, Motion, Viewpoint};
 
 /// The track that a call is about.
@@ -91,6 +94,10 @@ pub struct BeliefBody {
     pub belief: Vec<LabelBeliefBody>,
     /// Probability of being where no exemplar was taken.
     pub elsewhere: f64,
+    /// Where the robot is in a map, if exemplars have poses and some frame told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub pose: Option<PlacePoseBody>,
 }
 
 /// The belief in a label.
@@ -124,10 +131,70 @@ pub struct FrameQuery {
     /// Give every point's vote.
     #[param(default = false)]
     pub explain: Option<bool>,
+    /// The name of a kept camera that took the frame. A form has its intrinsics, or a name, as the part `camera`.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    pub camera: Option<Name>,
+    /// How far the camera moved forward since the frame before, with `dy_m` and `dyaw_deg`. A form has the three as the part
+    /// `odometry`.
+    pub dx_m: Option<f64>,
+    /// How far to its left.
+    pub dy_m: Option<f64>,
+    /// How far it turned, counter-clockwise.
+    pub dyaw_deg: Option<f64>,
+}
+
+/// How the camera moved since the frame before, in its own frame there: x forward, y left.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OdometryBody {
+    pub dx_m: f64,
+    #[serde(default)]
+    #[schema(default = 0.0)]
+    pub dy_m: f64,
+    /// Counter-clockwise.
+    pub dyaw_deg: f64,
+}
+
+/// A form with a frame of a track.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the form for the OpenAPI document")]
+pub struct TrackFrameForm {
+    /// The picture.
+    #[schema(format = Binary, content_media_type = "application/octet-stream")]
+    image: String,
+    /// The camera that took it.
+    camera: Option<CameraReference>,
+    /// How it moved since the frame before.
+    odometry: Option<OdometryBody>,
+}
+
+/// The motion that a form or the query names.
+///
+/// # Errors
+/// A part that can't be read, or a motion that can't be.
+fn odometry(query: &FrameQuery, texts: &Texts) -> Result<Option<Odometry>, Problem> {
+    let sent = texts.get("odometry").map(|text| from_json::<OdometryBody>(text)).transpose();
+    let sent = sent.map_err(|problem| problem.in_part("odometry"))?;
+    let named = match (query.dx_m, query.dy_m, query.dyaw_deg) {
+        (None, None, None) => None,
+        (Some(dx_m), dy_m, Some(dyaw_deg)) => {
+            Some(OdometryBody { dx_m, dy_m: dy_m.unwrap_or(0.0), dyaw_deg })
+        }
+        _ => return Err(Problem::field("#dx_m", "and dyaw_deg come together, with dy_m or without")),
+    };
+    let at = if sent.is_some() { "/odometry/" } else { "#" };
+    let Some(OdometryBody { dx_m, dy_m, dyaw_deg }) = sent.or(named) else { return Ok(None) };
+    for (name, value, most) in [("dx_m", dx_m, 1e3), ("dy_m", dy_m, 1e3), ("dyaw_deg", dyaw_deg, 3.6e3)] {
+        if value.abs() > most || value.is_nan() {
+            let text = format!("{value} is no motion between two frames: at most {most} either way");
+            return Err(Problem::field(format!("{at}{name}"), text));
+        }
+    }
+    Ok(Some(Odometry { dx_m, dy_m, dyaw_deg }))
 }
 
 /// What a frame shows, and where the robot is by all its frames so far. The fields are those of a recognition of this
-/// frame alone, but for `decision`, which is the track's.
+/// frame alone, but for `decision` and `pose`, which are the track's.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TrackedFrameBody {
     /// Id of the track.
@@ -155,6 +222,10 @@ pub struct FrameBody {
     pub counted: bool,
     /// What a recognition of this frame alone decides.
     pub decision: Option<DecisionBody>,
+    /// Where it was taken by this frame alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub pose: Option<PlacePoseBody>,
 }
 
 /// The model of a version, if it is one of landmarks.
@@ -190,7 +261,8 @@ impl BeliefBody {
             probability: believed.probability,
             exemplar: track.exemplars[believed.exemplar].id.clone(),
         });
-        Self { decision, belief: belief.collect(), elsewhere: track.belief.unknown(&track.exemplars) }
+        let pose = track.localisation.as_ref().and_then(Localisation::pose);
+        Self { decision, belief: belief.collect(), elsewhere: track.belief.unknown(&track.exemplars), pose }
     }
 }
 
@@ -285,6 +357,7 @@ pub async fn post(
         version: version.version,
         digest: version.digest.clone(),
         exemplars: model.names().into(),
+        localisation: None,
         belief: Belief::new(motion.unwrap_or(Motion::Still), model.exemplars().len()),
         frames: 0,
         last: None,
@@ -307,7 +380,7 @@ pub async fn post(
         description = "The picture, raw or as the part `image` of a form",
         content(
             (String = "image/jpeg"), (String = "image/png"), (String = "image/x-portable-graymap"),
-            (String = "image/x-portable-pixmap"), (ImageForm = "multipart/form-data")
+            (String = "image/x-portable-pixmap"), (TrackFrameForm = "multipart/form-data")
         )
     ),
     responses((status = 200, body = TrackedFrameBody))
@@ -319,28 +392,33 @@ pub async fn post_frame(
     RobotHeader(header): RobotHeader,
     frame: OnePicture,
 ) -> Result<Json<TrackedFrameBody>, Problem> {
+    let odometry = odometry(&query, &frame.texts)?;
     let wanted = Wanted::of(query.top, query.explain)?;
+    let wanted = wanted.by_camera(&service, query.camera, &frame.texts).await?;
     let queue = service.tracks.queue(&path.database, path.id)?;
     let _guard = queue.lock().await?;
     let track = service.tracks.get(&path.database, path.id)?;
     let version = version_for(&service.databases, &path.database, None, track.alias.as_ref()).await?;
     let track = carried_over(&service.databases, &track, &version).await?;
     let sent = header.clone();
-    let add = move |bytes: &[u8], weights: &[f64]| track.after(sent, bytes, weights);
+    let add = move |bytes: &[u8], weights: &[f64], fix: Option<&PlacePoseBody>| {
+        track.after(sent, bytes, odometry.as_ref(), weights, fix)
+    };
     let picture = frame.admitted(&service)?;
     let (recognised, (track, counted)) = recognise(&service, &version, picture, wanted, add).await?;
     let track = service.tracks.put(track)?;
 
     let mut recognition = render(&version, header, recognised);
     recognition.warnings.extend(order_warning(&track));
-    let BeliefBody { decision, belief, elsewhere } = BeliefBody::of(&track, wanted.top);
+    let BeliefBody { decision, belief, elsewhere, pose } = BeliefBody::of(&track, wanted.top);
     let of_frame = std::mem::replace(&mut recognition.decision, decision);
+    let pose_of_frame = recognition.evidence.replace_pose(pose);
     events::decided(&service, &recognition, Some(track.id));
     Ok(Json(TrackedFrameBody {
         track: track.id,
         belief,
         elsewhere,
-        frame: FrameBody { number: track.frames, counted, decision: of_frame },
+        frame: FrameBody { number: track.frames, counted, decision: of_frame, pose: pose_of_frame },
         motion: word(&track.belief),
         expires_at: service.tracks.expires_at(&track),
         recognition,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import array
+import io
 import math
 
 import numpy as np
 import pytest
 import ros
+from PIL import Image
 
 from landmarkd_ros import images
 
@@ -36,15 +39,60 @@ def test_encodings_are_read(padding: int, big: bool) -> None:
 
 def test_data_may_be_any_bytes() -> None:
     message = ros.image(GRAY, "mono8")
-    for data in (bytearray(message.data), list(message.data), memoryview(message.data)):
+    for data in (message.data, message.data.tobytes(), message.data.tolist()):
         message.data = data
         assert np.array_equal(images.array(message), GRAY)
 
 
+@pytest.mark.parametrize("mosaic", images.MOSAICS)
+@pytest.mark.parametrize(("bits", "dtype"), [(8, np.uint8), (16, np.uint16)])
+def test_a_mosaic_becomes_colours(mosaic: str, bits: int, dtype: type) -> None:
+    # A ramp is linear, so that bilinear interpolation tells it everywhere but at the border.
+    rows, columns = np.mgrid[:8, :10]
+    colours = np.dstack([10 + 4 * rows, 60 + 2 * columns, 120 + 2 * rows + 4 * columns]).astype(dtype)
+    raw = np.zeros((8, 10), dtype)
+    for place, letter in enumerate(mosaic):
+        at = np.s_[place // 2 :: 2, place % 2 :: 2]
+        raw[at] = colours[(*at, "rgb".index(letter))]
+    read = images.array(ros.image(raw, f"bayer_{mosaic}{bits}"))
+    assert read.dtype == dtype
+    assert np.array_equal(read[1:-1, 1:-1], colours[1:-1, 1:-1])
+
+
+@pytest.mark.parametrize(("encoding", "luma"), [("yuv422", 1), ("uyvy", 1), ("yuv422_yuy2", 0), ("yuyv", 0)])
+def test_luma_and_chroma_become_colours(encoding: str, luma: int) -> None:
+    # Red, green, blue and white of BT.601: Y, U, V, two pixels each.
+    known = [
+        ((81, 90, 240), (254, 0, 0)),
+        ((145, 54, 34), (0, 255, 0)),
+        ((41, 240, 110), (0, 0, 255)),
+        ((235, 128, 128), (255, 255, 255)),
+    ]
+    pixels = np.zeros((1, 8, 2), np.uint8)
+    for pair, ((y, u, v), _) in enumerate(known):
+        pixels[0, 2 * pair : 2 * pair + 2, luma] = y
+        pixels[0, 2 * pair : 2 * pair + 2, 1 - luma] = u, v
+    read = images.array(ros.image(pixels, encoding))
+    expected = np.repeat([colour for _, colour in known], 2, axis=0)
+    assert np.abs(read[0].astype(int) - expected).max() <= 2
+
+
+def test_a_compressed_picture_is_passed_through() -> None:
+    message = ros.message_type("sensor_msgs/msg/CompressedImage")()
+    held = io.BytesIO()
+    Image.fromarray(COLOUR).save(held, "PNG")
+    message.format, message.data = "bgr8; png compressed bgr8", array.array("B", held.getvalue())
+    assert images.picture(message) == held.getvalue()
+    assert images.size_px(message) == (4, 3)
+    message.format = "16UC1; compressedDepth png"
+    with pytest.raises(ValueError, match="compressedDepth"):
+        images.picture(message)
+
+
 def test_what_is_no_picture_is_refused() -> None:
     message = ros.image(GRAY, "mono8")
-    message.encoding = "bayer_rggb8"
-    with pytest.raises(ValueError, match="bayer_rggb8"):
+    message.encoding = "nv21"
+    with pytest.raises(ValueError, match="nv21"):
         images.array(message)
     message = ros.image(COLOUR, "rgb8")
     message.data = message.data[:-1]
@@ -53,6 +101,8 @@ def test_what_is_no_picture_is_refused() -> None:
     message.step = 3
     with pytest.raises(ValueError, match="don't fit"):
         images.array(message)
+    with pytest.raises(ValueError, match="pairs"):
+        images.array(ros.image(np.zeros((2, 3, 2), np.uint8), "yuyv"))
 
 
 def test_distances_become_metres() -> None:
@@ -62,6 +112,6 @@ def test_distances_become_metres() -> None:
     assert metres[0] == np.float32(0.5)
     assert metres[1] == np.float32(1.25)
     assert math.isnan(metres[2])
-    message = ros.Image()
+    message = ros.message_type("sensor_msgs/msg/Image")()
     for name, value in vars(depth).items():
         setattr(message, name, value)

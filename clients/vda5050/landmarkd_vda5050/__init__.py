@@ -1,0 +1,1 @@
+"""Robots that a landmarkd service localises, as vehicles of VDA 5050: `state` maps, `vehicle` speaks MQTT."""
