@@ -216,13 +216,14 @@ mod tests {
 
     const SIDE: usize = 64;
 
-    /// Pixels of a seed, smeared along x over so many.
+    /// Pixels of a seed, each the mean of a square of so many.
     fn file(seed: u32, smear: usize) -> Vec<u8> {
         let gray = |x: usize, y: usize| {
             let mixed = (x as u32 / 2 + 97 * (y as u32 / 2) + 7919 * seed).wrapping_mul(2_654_435_761);
             u32::from((mixed ^ (mixed >> 15)) as u8)
         };
-        let smeared = |x: usize, y: usize| (0..smear).map(|n| gray(x + n, y)).sum::<u32>() / smear as u32;
+        let around = |x: usize, y: usize| (0..smear * smear).map(move |n| gray(x + n % smear, y + n / smear));
+        let smeared = |x: usize, y: usize| around(x, y).sum::<u32>() / (smear * smear) as u32;
         let pixels: Vec<u8> = (0..SIDE * SIDE).map(|i| smeared(i % SIDE, i / SIDE) as u8).collect();
         png_gray8(SIDE, SIDE, &pixels)
     }
