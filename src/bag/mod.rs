@@ -160,7 +160,7 @@ pub enum BagError {
     )]
     NoLabels,
     /// A call went wrong; what was sent before is kept, and isn't sent twice.
-    #[error("the service doesn't go along (what was sent before is kept, and isn't sent twice)")]
+    #[error("a call to the service failed (what was sent before is kept, and isn't sent twice)")]
     Client {
         /// The cause.
         #[from]
