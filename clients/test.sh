@@ -9,6 +9,7 @@ set -euo pipefail
 
 clients="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 [[ $# -eq 2 ]] || { sed -n '2,7p' "$0" >&2; exit 2; }
+tests="$(realpath "$clients/../tests")"
 binary="$(realpath "$1")"
 mkdir -p "$2"
 venv="$(realpath "$2")"
@@ -24,10 +25,12 @@ export LANDMARKD_DOCUMENT="${LANDMARKD_DOCUMENT:-$clients/../openapi/landmarkd.j
 [[ -f "$LANDMARKD_DOCUMENT" ]] || { echo "the service's document isn't at $LANDMARKD_DOCUMENT" >&2; exit 1; }
 cd "$work/clients"
 
-wants="$(cat python/pyproject.toml ros2/landmarkd_ros/setup.py vda5050/pyproject.toml | sha256sum)"
+# What writes and reads bags, beside the program.
+bags=(rosbags==0.11.9 mcap==1.6.0 mcap-ros2-support==0.6.0)
+wants="$(cat python/pyproject.toml ros2/landmarkd_ros/setup.py vda5050/pyproject.toml - <<<"${bags[*]}" | sha256sum)"
 if [[ "$(cat "$venv/.wants" 2>/dev/null)" != "$wants" ]]; then
     python3 -m venv --clear "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check "./python[test,lint]" "./ros2/landmarkd_ros[test]" "./vda5050[test]"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check "./python[test,lint]" "./ros2/landmarkd_ros[test]" "./vda5050[test]" "${bags[@]}"
     echo "$wants" >"$venv/.wants"
 fi
 # The package as it is installed, not as it lies here.
@@ -39,6 +42,7 @@ failed=0
 (cd python && "$venv/bin/python" -m pytest -p no:cacheprovider tests) || failed=1
 (cd ros2/landmarkd_ros && "$venv/bin/python" -m pytest -p no:cacheprovider test) || failed=1
 (cd vda5050 && "$venv/bin/python" -m pytest -p no:cacheprovider tests) || failed=1
+(cd "$tests/bags" && PYTHONPATH="$work/clients/python/tests" "$venv/bin/python" -m pytest -p no:cacheprovider -c /dev/null --rootdir . .) || failed=1
 
 # Lints and types of the sources, beside the generated part.
 mv "$work/source" python/landmarkd
@@ -46,6 +50,8 @@ installed="$("$venv/bin/python" -c 'import landmarkd; print(landmarkd.__path__[0
 cp -r "$installed/_generated" python/landmarkd/_generated
 "$venv/bin/ruff" check --no-cache python document.py ros2 vda5050 || failed=1
 "$venv/bin/ruff" format --no-cache --check python document.py ros2 vda5050 || failed=1
+"$venv/bin/ruff" check --no-cache --config ruff.toml "$tests/bags" || failed=1
+"$venv/bin/ruff" format --no-cache --config ruff.toml --check "$tests/bags" || failed=1
 (cd python && "$venv/bin/mypy" --cache-dir "$venv/.mypy") || failed=1
 (cd vda5050 && "$venv/bin/mypy" --cache-dir "$venv/.mypy") || failed=1
 # ROS isn't here: what comes from it may be anything.

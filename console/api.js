@@ -78,13 +78,13 @@ export async function all(path, {most = 10000, signal} = {}) {
 }
 
 // Reads a stream of server-sent events to its end, with the key in a header, which an EventSource cannot send. Reconnects with
-// Last-Event-ID when the connection breaks, and after Retry-After when the service sends one.
-export async function follow(path, onEvent, signal) {
-  let last = null;
+// Last-Event-ID when the connection breaks, and after Retry-After when the service sends one. `seen.id` is the last event's: who
+// keeps it goes on from there.
+export async function follow(path, onEvent, signal, seen = {id: null}) {
   for (let failures = 0; !signal?.aborted;) {
     let retryAfter = 0;
     try {
-      const answer = await call("GET", path, {accept: "text/event-stream", headers: last ? {"Last-Event-ID": last} : {}, signal});
+      const answer = await call("GET", path, {accept: "text/event-stream", headers: seen.id ? {"Last-Event-ID": seen.id} : {}, signal});
       const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
       let text = "";
       for (;;) {
@@ -96,7 +96,7 @@ export async function follow(path, onEvent, signal) {
         for (const event of events) {
           let data = "";
           for (const line of event.split(/\r?\n/)) {
-            if (line.startsWith("id:")) last = line.slice(3).trim();
+            if (line.startsWith("id:")) seen.id = line.slice(3).trim();
             else if (line.startsWith("data:")) data += line.slice(5).trim();
           }
           if (!data) continue;

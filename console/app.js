@@ -19,6 +19,7 @@ const PAGES = {
   try: attempt, // #/try[/{name}]
   depth,
   workcells, // #/workcells[/{name}]
+  tracks: {show: async (...page) => (await import("./tracks.js")).show(...page)}, // #/tracks/{name}[/{id}]
 };
 
 const main = document.getElementById("main");
@@ -28,7 +29,7 @@ let leaving = new AbortController();
 function markHere(word) {
   for (const link of document.querySelectorAll(".bar nav a")) {
     const here = link.getAttribute("href") === `#/${word}`
-      || (link.getAttribute("href") === "#/" && ["databases", "versions"].includes(word));
+      || (link.getAttribute("href") === "#/" && ["databases", "versions", "tracks"].includes(word));
     if (here) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }

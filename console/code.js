@@ -14,14 +14,20 @@ function curl({url, file, type, hasKey}) {
   return [...lines, shell(url)].join(" \\\n    ");
 }
 
-function pythonClient({service, database, file, query, hasKey}) {
-  const words = Object.entries(query).map(([name, value]) => `, ${name}=${python(value)}`).join("");
+const words = (members) => Object.entries(members).map(([name, value]) => `${name}=${python(value)}`);
+
+function pythonClient({service, database, target, alias, file, query, hasKey}) {
+  const {dx_m, dy_m = 0, dyaw_deg, ...named} = query;
+  const hasMoved = dx_m !== undefined;
+  const track = [quoted(database), ...alias ? words({alias}) : []].join(", ");
+  const asks = target === "recognitions" ? `client.recognise(${quoted(database)}, ` : `client.track(${track}).frame(`;
+  const sent = [quoted(file), ...words(named), ...hasMoved ? [`odometry=Odometry(${words({dx_m, dy_m, dyaw_deg}).join(", ")})`] : []];
   return [
     ...(hasKey ? ["import os", ""] : []),
-    "from landmarkd import Client",
+    `from landmarkd import Client${hasMoved ? ", Odometry" : ""}`,
     "",
     `client = Client(${quoted(service)}${hasKey ? `, key=os.environ["LANDMARKD_KEY"]` : ""})`,
-    `answer = client.recognise(${quoted(database)}, ${quoted(file)}${words})`,
+    `answer = ${asks}${sent.join(", ")})`,
     "print(answer)",
   ].join("\n");
 }
@@ -44,12 +50,13 @@ function rust({url, file, type, hasKey}) {
   ].join("\n");
 }
 
-// `query` holds the query parameters by name.
-export function requests({database, query, file, type, hasKey}) {
+// `target` is what is asked of the database: its recognitions, or the frames of a track of that `alias`. `query` holds the query
+// parameters by name.
+export function requests({database, target, alias, query, file, type, hasKey}) {
   const service = new URL(".", location.href).href.replace(/\/$/, "");
   const parameters = new URLSearchParams(query).toString();
-  const url = `${service}/v1/databases/${database}/recognitions${parameters && `?${parameters}`}`;
-  const asked = {service, database, query, url, file: file.replace(/\p{Cc}/gu, ""), type, hasKey};
+  const url = `${service}/v1/databases/${database}/${target}${parameters && `?${parameters}`}`;
+  const asked = {service, database, target, alias, query, url, file: file.replace(/\p{Cc}/gu, ""), type, hasKey};
   const forms = [["curl", curl(asked)], ["Python", pythonClient(asked)], ["Rust", rust(asked)]];
   return tabs("The same request", forms.map(([name, text]) => [name, h("div", {class: "copied"},
     h("pre", {tabindex: "0", "aria-label": `The request for ${name}`}, h("code", {}, text)),

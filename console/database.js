@@ -14,7 +14,9 @@ export async function show(main, [name], signal) {
   if (!name) return location.replace("#/");
   const path = `v1/databases/${encodeURIComponent(name)}`;
   const {kind} = await get(path, {signal});
-  const page = {name, path, kind, signal, refresh};
+  const page = {name, path, kind, signal, refresh, surveyed};
+  // Places are on a map; the page of a turntable does without its files.
+  const map = kind === "landmarks" ? (await import("./database_map.js")).databaseMap(page) : null;
 
   const fault = h("div");
   const summary = h("div", {id: "summary"});
@@ -50,15 +52,25 @@ export async function show(main, [name], signal) {
   // A key that may only recognise sees the rest of the page.
   async function drawExemplars(counted) {
     try {
-      exemplars.draw(await all(`${path}/exemplars`, {signal}), counted);
+      known.items = await all(`${path}/exemplars`, {signal});
+      exemplars.draw(known.items, counted);
+      map?.draw(known.items, counted);
     } catch (error) {
       if (error.status !== 403) throw error;
       exemplars.refuse(error);
+      map?.refuse(error);
     }
   }
 
+  // Shows an exemplar whose survey changed.
+  function surveyed(exemplar) {
+    known.items = known.items.map((each) => each.id === exemplar.id ? exemplar : each);
+    exemplars.draw(known.items, known.exemplars);
+    map.draw(known.items, known.exemplars);
+  }
+
   replace(main,
-    h("h1", {}, name), summary, jumps(), fault,
+    h("h1", {}, name), summary, jumps(), fault, map?.node,
     h("div", {class: "split"},
       h("section", {class: "card", id: "exemplars"}, h("h2", {}, "Exemplars"), upload(page), exemplars.node),
       h("div", {},

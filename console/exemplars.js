@@ -2,7 +2,7 @@
 
 import {h, replace} from "./dom.js";
 import {remove} from "./api.js";
-import {act, confirm, count, remotePicture} from "./parts.js";
+import {act, confirm, count, number, remotePicture} from "./parts.js";
 
 const SHOWN_PER_LABEL = window.matchMedia("(max-width: 48rem)").matches ? 3 : 10;
 
@@ -53,14 +53,15 @@ function labelGroup(page, label) {
     list = given;
     replace(title, label, h("span", {class: "muted"}, ` ${list.length}`));
     const shown = list.slice(0, most);
-    for (const [id, figure] of figures) {
+    for (const [id, {node: figure}] of figures) {
       if (shown.some((exemplar) => exemplar.id === id)) continue;
       figure.remove();
       figures.delete(id);
     }
     shown.forEach((exemplar, index) => {
       if (!figures.has(exemplar.id)) figures.set(exemplar.id, exemplarFigure(page, exemplar));
-      const figure = figures.get(exemplar.id);
+      const {node: figure, survey} = figures.get(exemplar.id);
+      survey(exemplar);
       if (thumbs.children[index] !== figure) thumbs.insertBefore(figure, thumbs.children[index] ?? null);
     });
     more.hidden = list.length <= most;
@@ -76,16 +77,31 @@ function labelGroup(page, label) {
   return {node, draw};
 }
 
-function exemplarFigure(page, {id, label, pose_deg: pose, width_px: width, height_px: height, created_at: at, media_type: type, header}) {
+function exemplarFigure(page, exemplar) {
+  const {id, label, negative, pose_deg: pose, width_px: width, height_px: height, created_at: at, media_type: type, header} = exemplar;
   const name = `${label}${pose === null ? "" : ` at ${pose}°`}`;
   const sender = header.robot_id ? `, from ${header.robot_id}` : "";
   const details = `${name}, ${width} × ${height} px ${type}, ${new Date(at).toLocaleString()}${sender}`;
-  return h("figure", {class: "exemplar"},
+  const place = h("figcaption", {});
+  let now = exemplar;
+  const edit = page.kind === "landmarks" && !negative ? act("Pose", async () => {
+    const {surveyDialog} = await import("./survey_form.js");
+    surveyDialog(page, now, `Where ${name} was taken`);
+  }, {kind: "quiet small", "aria-label": `Pose, camera and size of this exemplar of ${name}`}) : null;
+  const node = h("figure", {class: "exemplar"},
     remotePicture(`${page.path}/exemplars/${id}/image`, name, page.signal, {title: details}),
-    pose === null ? null : h("figcaption", {}, `${pose}°`),
+    pose === null ? null : h("figcaption", {}, `${pose}°`), place, edit,
     act("×", async () => {
       if (!await confirm("Delete this exemplar?", `${details}. Versions that were trained with it stay as they are.`, "Delete it")) return;
       await remove(`${page.path}/exemplars/${id}`);
       await page.refresh();
-    }, {kind: "danger small", "aria-label": `Delete this exemplar of ${name}`}));
+    }, {kind: "danger small remove", "aria-label": `Delete this exemplar of ${name}`}));
+  // Its map pose, camera and size, which can change.
+  function survey(given) {
+    now = given;
+    const {pose: there, camera, size_mm: size} = now;
+    replace(place, [there && `${there.map}: ${number(there.x_m)}, ${number(there.y_m)} m, ${number(there.yaw_deg, 0)}°`,
+      size && `${number(size, 0)} mm wide`, camera && "with camera"].filter(Boolean).map((words) => h("div", {}, words)));
+  }
+  return {node, survey};
 }

@@ -171,7 +171,7 @@ function jobProgress(job, signal, onEnd) {
 }
 
 // Runs `work` while the page is visible, again whenever it becomes visible; the signal that `work` takes is aborted when it is hidden.
-async function whileVisible(work, signal) {
+export async function whileVisible(work, signal) {
   while (!signal.aborted) {
     if (document.hidden) {
       await new Promise((wake) => {

@@ -7,6 +7,9 @@ import {act, number, pictures, problem, toast} from "./parts.js";
 import {evidence, exemplarPictures, loaded, annotatedFrame, confidenceText, tones} from "./frame_view.js";
 import {candidates, eigenimages, pose, reconstruction} from "./appearance.js";
 import {OBJECT_WARNINGS} from "./warnings.js";
+import {cameraChoice} from "./cameras.js";
+import {landmarkWords} from "./map_pose.js";
+import {beliefCard, tracking} from "./tracking.js";
 import {requests} from "./code.js";
 
 const OFFERED = 12; // exemplars at a time
@@ -15,6 +18,7 @@ const FEW_POINTS = 8;
 // The last frame: recognised again when another database or version is chosen, and kept while other pages are shown.
 let frame = null;
 let chosen = null; // the database that recognised it
+let camera = ""; // the name of what took it
 
 // The texts of warnings about places.
 const WARNINGS = {
@@ -51,7 +55,8 @@ export async function show(main, [wanted], signal) {
     names.map((name) => h("option", {value: name, selected: name === first}, name)));
   replace(main, h("div", {class: "try"}, h("h1", {}, "Try it"), status,
     h("section", {class: "card", "aria-label": "What to ask"},
-      h("div", {class: "fields"}, h("div", {}, h("label", {for: "try-database"}, "Database"), select), h("div", {id: "try-version-field"})),
+      h("div", {class: "fields"}, h("div", {}, h("label", {for: "try-database"}, "Database"), select), h("div", {id: "try-version-field"}),
+        h("div", {id: "try-camera-field"})),
       asking),
     answer));
 
@@ -75,20 +80,29 @@ export async function show(main, [wanted], signal) {
     const [database, versions] = await Promise.all([get(path, {signal: left}), all(`${path}/versions`, {signal: left})]);
     if (left.aborted) return;
     const field = main.querySelector("#try-version-field");
+    const cameraField = main.querySelector("#try-camera-field");
+    replace(cameraField);
     if (!versions.length) {
       replace(field);
       replace(asking, h("p", {class: "note"}, "This database isn't trained yet: ",
         h("a", {href: `#/databases/${encodeURIComponent(name)}`}, "give it pictures and train it"), ", then ask it here."));
       return;
     }
-    const asked = {database, path, versions, exemplar: exemplarPictures(encodeURIComponent(name), left), left};
-    const version = h("select", {id: "try-version", onChange: () => frame && ask(frame)},
+    const again = () => frame && ask(frame);
+    const isOfPlaces = database.kind === "landmarks";
+    const track = isOfPlaces ? tracking({name, path, onChanged: again, signal: left}) : null;
+    const cameras = isOfPlaces ? cameraChoice({chosen: camera, signal: left, onChosen(name) { camera = name; again(); }}) : null;
+    await cameras?.ready.catch((error) => { if (left.aborted) throw error; });
+    if (left.aborted) return;
+    replace(cameraField, cameras?.field);
+    const asked = {database, path, versions, exemplar: exemplarPictures(encodeURIComponent(name), left), left, track, cameras};
+    const version = h("select", {id: "try-version", onChange: again},
       database.aliases.toSorted((a, b) => (b.alias === "current") - (a.alias === "current"))
         .map(({alias, version}) => h("option", {value: `alias ${alias}`}, `${alias} (version ${version})`)),
       versions.toReversed().map(({version}) => h("option", {value: `version ${version}`}, `version ${version}`)));
     replace(field, h("label", {for: "try-version"}, "Version"), version);
     const ask = (file) => askAbout(file, asked, version.value.split(" "));
-    replace(asking,
+    replace(asking, cameras?.details, track?.node,
       pictures({label: "Drop a frame here, or paste one", onPictures: ([{file}]) => ask(file)}),
       exemplarChoice(asked, ask));
     document.addEventListener("paste", (event) => {
@@ -104,19 +118,24 @@ export async function show(main, [wanted], signal) {
     earlier = new AbortController();
     const now = AbortSignal.any([asked.left, earlier.signal]);
     frame = file;
-    const query = {...(way === "alias" && which === "current" ? {} : {[way]: way === "version" ? Number(which) : which}), explain: true};
+    const evidence = {explain: true, ...asked.cameras?.value() ? {camera: asked.cameras.value()} : {}};
+    const query = {...(way === "alias" && which === "current" ? {} : {[way]: way === "version" ? Number(which) : which}), ...evidence};
     answer.setAttribute("aria-busy", "true");
     status.textContent = "Asking…";
     if (!answer.hasChildNodes()) replace(answer, h("p", {class: "muted"}, "Asking…"));
     try {
       const began = performance.now();
-      const reply = await call("POST", `${asked.path}/recognitions?${new URLSearchParams(query)}`,
-        {body: file, type: mediaType(file), signal: now});
+      if (asked.track?.isOn() && way === "version") throw new Error("A track is answered by an alias: choose one instead of a version.");
+      const {reply, ...sent} = asked.track?.isOn() ? await asked.track.send(file, mediaType(file), which, evidence, now)
+        : {target: "recognitions", query, reply: await call("POST", `${asked.path}/recognitions?${new URLSearchParams(query)}`,
+          {body: file, type: mediaType(file), signal: now})};
       const body = await reply.json();
       const roundTrip = performance.now() - began;
       const image = await loaded(file, `The frame ${file.name}`, now).catch(() => null);
       if (now.aborted) return;
-      draw(body, {...asked, image, file, query, roundTrip, signal: now});
+      const where = body.kind === "landmarks" && "pose" in body && await import("./where.js");
+      if (now.aborted) return;
+      draw(body, {...asked, image, file, query, sent, roundTrip, signal: now}, where);
     } catch (error) {
       if (now.aborted) return;
       replace(answer, problem(error));
@@ -126,7 +145,8 @@ export async function show(main, [wanted], signal) {
     }
   }
 
-  function draw(body, context) {
+  // `where` shows the answer's pose, if it has one.
+  function draw(body, context, where) {
     const version = context.versions.find(({version}) => version === body.version);
     const parts = (body.kind === "landmarks" ? landmarks : objects)(body, {...context, version});
     replace(answer,
@@ -134,11 +154,12 @@ export async function show(main, [wanted], signal) {
         h("section", {class: "card verdict"}, verdict(body, version)),
         h("section", {class: "card frame", "aria-label": "The frame"},
           parts.frame ?? h("p", {}, `The browser can't show ${context.file.name}; the service has read it.`)),
-        h("div", {class: "beside"}, parts.beside)),
+        h("div", {class: "beside"}, body.track ? beliefCard(body) : null, parts.beside)),
+      where && where.whereCard(body, context),
       parts.below,
       provenance(body, context),
       h("section", {class: "card"}, h("h2", {}, "The same request"),
-        requests({database: body.database, query: context.query, file: context.file.name, type: mediaType(context.file),
+        requests({database: body.database, ...context.sent, file: context.file.name, type: mediaType(context.file),
           hasKey: Boolean(key())})));
     parts.ready?.();
     status.textContent = body.decision ? `Recognised: ${body.decision.label}` : "Unknown: nothing is decided";
@@ -264,7 +285,8 @@ function landmarks(answer, {image, version, exemplar, signal}) {
         svg("svg", {viewBox: "0 0 100 10", preserveAspectRatio: "none", class: `hbar ${tone(label)}`, "aria-hidden": "true"},
           svg("rect", {class: "track", width: 100, height: 10}), svg("rect", {width: 100 * share, height: 10}))),
       h("td", {class: "n"}, `${number(100 * share, 1)} %`), h("td", {class: "n"}, points), h("td", {class: "n"}, number(weight, 3))),
-    placement && h("tr", {class: "note-row"}, h("td", {colspan: "5", class: "muted"}, `Placed ${placementText(placement)}`)),
+    placement && h("tr", {class: "note-row"}, h("td", {colspan: "5", class: "muted"}, `Placed ${placementText(placement)}`,
+      placement.T_camera_landmark ? h("p", {}, landmarkWords(placement)) : null)),
   ];
   const votes = h("section", {class: "card"}, h("h2", {}, "Votes"),
     answer.votes.length
@@ -279,7 +301,8 @@ function landmarks(answer, {image, version, exemplar, signal}) {
     answer.instances.length
       ? h("ul", {class: "reasons", id: "try-instances"},
         answer.instances.map(({label, confidence, placement}) => h("li", {}, h("span", {class: `chip ${tone(label)}`}),
-          h("strong", {}, label), ` ${confidenceText(confidence)}, `, h("span", {class: "muted"}, placementText(placement)))))
+          h("strong", {}, label), ` ${confidenceText(confidence)}, `, h("span", {class: "muted"}, placementText(placement),
+            placement.T_camera_landmark ? ` – ${landmarkWords(placement)}` : ""))))
       : h("p", {class: "muted"},
         answer.decision ? "This version gives no placements." : "Nothing known is in the frame for sure enough."));
   return {

@@ -4,6 +4,8 @@
 //! versions, jobs, keys, HTTP, and the verbs of the binary. `ARCHITECTURE.md` is the map.
 
 pub mod access;
+pub mod bag;
+pub mod client;
 pub mod compute;
 pub mod config;
 pub mod connections;

@@ -9,6 +9,8 @@ use std::time::Duration;
 
 use anyhow::Context;
 use clap::{Parser, Subcommand};
+use landmarkd::bag::{self, AskArgs, BagEvaluationArgs, ServiceArgs, TeachArgs};
+use landmarkd::client::Server;
 use landmarkd::config::{GivenSettings, Settings};
 use landmarkd::demo::{self, DemoArgs};
 use landmarkd::evaluate::EvaluateArgs;
@@ -44,8 +46,27 @@ enum Verb {
         #[command(flatten)]
         settings: GivenSettings,
     },
-    /// Train on a folder, recognise queries with known truth, and tell how often the answer was right
-    Evaluate(EvaluateArgs),
+    /// Teach a service the pictures of bags that a robot recorded, with their poses, and train
+    Teach {
+        #[command(flatten)]
+        args: TeachArgs,
+        #[command(flatten)]
+        service: ServiceArgs,
+    },
+    /// Ask a service about the pictures of a bag, tell how well the answers agree with its poses, and write them as a bag
+    Ask {
+        #[command(flatten)]
+        args: AskArgs,
+        #[command(flatten)]
+        service: ServiceArgs,
+    },
+    /// Train on a folder or a bag, recognise queries with known truth, and tell how often the answer was right
+    Evaluate {
+        #[command(flatten)]
+        args: EvaluateArgs,
+        #[command(flatten)]
+        bags: BagEvaluationArgs,
+    },
     /// Measure depth from a near- and a far-focused picture, and tell how far it is from the truth
     EvaluateDepth(EvaluateDepthArgs),
     /// Make, list and revoke the keys of a service
@@ -116,7 +137,19 @@ fn run(verb: Verb) -> anyhow::Result<()> {
             })
         }
         Verb::Demo { args, settings } => demonstrate(&args, settings),
-        Verb::Evaluate(args) => evaluate(&args),
+        Verb::Teach { args, service } => runtime()?.block_on(async {
+            bag::teach(&service.connect()?, &args, &mut std::io::stdout()).await?;
+            Ok(())
+        }),
+        Verb::Ask { args, service } => runtime()?.block_on(async {
+            let summary = bag::ask(&service.connect()?, &args, &mut std::io::stdout()).await?;
+            write!(std::io::stdout(), "{summary}")?;
+            Ok(())
+        }),
+        Verb::Evaluate { args, bags } => match bags.teach_and_ask(&args) {
+            Some((teach, ask)) => evaluate_bags(&teach, &ask, args.json),
+            None => evaluate(&args),
+        },
         Verb::EvaluateDepth(args) => print(&evaluate_depth(&args)?, args.json),
         Verb::Keys(args) => {
             write!(std::io::stdout(), "{}", runtime()?.block_on(keys::run(args))?)?;
@@ -149,36 +182,71 @@ fn demonstrate(args: &DemoArgs, mut given: GivenSettings) -> anyhow::Result<()> 
 
 /// Serves, shows the demo to the service as its client, and goes on serving unless `--exit` is given.
 async fn serve_demo(args: &DemoArgs, settings: &Settings) -> anyhow::Result<()> {
+    let shown = beside_service(settings, async |base_url: String| {
+        let pictures = settings.data_dir.join("pictures");
+        demo::run(&base_url, args, &pictures, &mut std::io::stdout()).await?;
+        if !args.exit {
+            println!("\nServing on {base_url} until Ctrl-C.");
+            std::future::pending::<()>().await;
+        }
+        Ok(())
+    });
+    shown.await.map(drop)
+}
+
+/// Serves as long as a client of the service is at work; `None` if a signal came first.
+async fn beside_service<T>(
+    settings: &Settings,
+    client: impl AsyncFnOnce(String) -> anyhow::Result<T>,
+) -> anyhow::Result<Option<T>> {
     let (announce, mut listening) = tokio::sync::mpsc::unbounded_channel();
     let (finished, finish) = tokio::sync::oneshot::channel::<()>();
     let stop = async {
-        // Without --exit the other end is never used, and the signal decides.
         tokio::select! {
             () = stop_signals(1) => {}
             Ok(()) = finish => {}
         }
     };
     let serving = serve::serve(settings, |address, _| announce.send(address).unwrap_or(()), stop);
-    let showing = async {
-        let Some(address) = listening.recv().await else { return anyhow::Ok(()) };
-        let pictures = settings.data_dir.join("pictures");
-        let shown = demo::run(&format!("http://{address}"), args, &pictures, &mut std::io::stdout()).await;
-        if args.exit || shown.is_err() {
-            finished.send(()).unwrap_or(());
-        } else {
-            println!("\nServing on http://{address} until Ctrl-C.");
-            std::future::pending::<()>().await;
-        }
-        shown?;
-        Ok(())
+    let working = async {
+        let Some(address) = listening.recv().await else { return Ok(None) };
+        let done = client(format!("http://{address}")).await;
+        finished.send(()).unwrap_or(());
+        done.map(Some)
     };
     tokio::pin!(serving);
     tokio::select! {
-        served = &mut serving => Ok(served?),
-        shown = showing => {
-            serving.await?;
-            shown
+        served = &mut serving => {
+            served?;
+            Ok(None)
         }
+        done = working => {
+            serving.await?;
+            done
+        }
+    }
+}
+
+/// Teaches a service of its own one bag, and asks it about another.
+fn evaluate_bags(teach: &TeachArgs, ask: &AskArgs, json: bool) -> anyhow::Result<()> {
+    let data_dir = std::env::temp_dir().join(format!("landmarkd-evaluate-{}", std::process::id()));
+    let given = GivenSettings {
+        bind: Some(SocketAddr::from(([127, 0, 0, 1], 0))),
+        data_dir: Some(data_dir.clone()),
+        ..GivenSettings::default()
+    };
+    let settings = Settings::settle(given, None)?;
+    telemetry::start_logging(settings.log_format, true, None);
+    let evaluated = runtime()?.block_on(beside_service(&settings, async |base_url: String| {
+        let server = Server::at(&base_url, None, None)?;
+        let mut told = std::io::stderr();
+        bag::teach(&server, teach, &mut told).await?;
+        Ok(bag::ask(&server, ask, &mut told).await?)
+    }));
+    std::fs::remove_dir_all(&data_dir).ok();
+    match evaluated? {
+        Some(figures) => print(&figures, json),
+        None => anyhow::bail!("ended by a signal"),
     }
 }
 

@@ -83,7 +83,7 @@ const ARROWS: &[(&str, &[&str])] = &[
 ];
 
 /// Rooms that wire the others together.
-const WIRING: [&str; 6] = ["lib", "main", "serve", "keys", "demo", "evaluate"];
+const WIRING: [&str; 8] = ["lib", "main", "serve", "keys", "client", "bag", "demo", "evaluate"];
 
 /// Where a word of the core may stand: folders or files of `crates/landmarkd-core/src`.
 const CORE_DOORS: &[(&str, &[&str])] = &[
@@ -107,7 +107,7 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
     ("object_store", &["store"]),
     ("blake3", &["store"]),
     // The one crypto provider of the process is installed there.
-    ("rustls", &["store/bucket.rs", "main.rs", "demo/client.rs", "connections.rs", "tls.rs"]),
+    ("rustls", &["store/bucket.rs", "main.rs", "client.rs", "connections.rs", "tls.rs"]),
     ("tokio_rustls", &["connections.rs"]),
     // The sum of an exemplar's bytes is part of the contract, not of the store.
     ("sha2", &["database/exemplar.rs", "access/key.rs"]),
@@ -149,10 +149,14 @@ const SERVICE_DOORS: &[(&str, &[&str])] = &[
     ("hyper", &["connections.rs"]),
     ("hyper_util", &["connections.rs"]),
     ("rustix", &["compute.rs", "serve.rs"]),
-    ("reqwest", &["main.rs", "demo", "telemetry/otlp.rs"]),
+    ("reqwest", &["main.rs", "client.rs", "bag", "demo", "telemetry/otlp.rs"]),
+    ("mcap", &["bag"]),
+    ("cdr_encoding", &["bag/messages.rs"]),
+    ("byteorder", &["bag/messages.rs"]),
+    ("indicatif", &["bag", "main.rs"]),
     // The flags of a verb name their variables beside the verb; clap reads them.
-    ("env =", &["config.rs", "main.rs"]),
-    ("clap", &["access/scope.rs", "config.rs", "keys.rs", "main.rs", "demo", "evaluate"]),
+    ("env =", &["config.rs", "main.rs", "bag"]),
+    ("clap", &["access/scope.rs", "config.rs", "keys.rs", "main.rs", "bag", "demo", "evaluate"]),
     ("anyhow", &["main.rs"]),
     ("crate::store", &["access", "database", "jobs", "keys.rs", "serve.rs", "http/problem.rs"]),
 ];

@@ -167,6 +167,7 @@ fn relative_links_lead_somewhere() {
         "clients/python/README.md",
         "clients/ros2/landmarkd_ros/README.md",
         "clients/vda5050/README.md",
+        "docs/bags.md",
         "docs/choosing.md",
         "docs/data.md",
         "docs/limits.md",

@@ -117,6 +117,13 @@ impl From<&CameraDocument> for Camera {
     }
 }
 
+impl From<&Camera> for CameraDocument {
+    fn from(camera: &Camera) -> Self {
+        let Camera { fx, fy, cx, cy, distortion: [k1, k2, p1, p2, k3], width_px, height_px } = *camera;
+        Self { fx, fy, cx, cy, k1, k2, p1, p2, k3, width_px, height_px }
+    }
+}
+
 /// The surveys of exemplars by their ids, of those that have any.
 pub type Surveys = BTreeMap<String, Survey>;
 

@@ -7,8 +7,9 @@ use std::path::Path;
 use serde_json::json;
 
 use super::DemoError;
-use super::client::{DepthSummary, Server};
+use super::client::DepthSummary;
 use super::files::write_file;
+use crate::client::Server;
 use crate::evaluate::depth::{DepthErrors, DepthPair, Plane};
 use landmarkd_core::depth::scene::{Camera, Relief, Rendered, Scene, Texture};
 use landmarkd_core::depth::{Aperture, Optics, OpticsSpec, Pair, Sensor};

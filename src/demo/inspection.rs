@@ -7,13 +7,14 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::client::{InspectedPart, Server};
+use super::client::InspectedPart;
 use super::data_sets::Exemplar;
 use super::drawing::{View, hash};
 use super::files::replace_folder;
 use super::table::{PlacedThing, Table};
 use super::turntable::{WITHOUT_POSE, known_things, unknown_things};
 use super::{DemoError, train, verdict};
+use crate::client::Server;
 use crate::evaluate::{PoseErrors, Rate};
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::imaging::encode::png_rgb8;

@@ -28,8 +28,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use thiserror::Error;
 
+use crate::client::{ClientError, Server};
 use crate::evaluate::{EvaluateError, Rate};
-use client::Server;
 use data_sets::{DataSet, Exemplar, Query, object_data_set, room_data_set};
 use files::{replace_folder, write_file};
 use own_pictures::own_data_set;
@@ -52,44 +52,9 @@ pub struct DemoArgs {
 /// Why the demo stopped.
 #[derive(Debug, Error)]
 pub enum DemoError {
-    /// The address of the service can't be parsed.
-    #[error("{base_url} is no address of a service")]
-    Address {
-        /// The address given.
-        base_url: String,
-    },
-    /// A call got no answer, or one that can't be read.
-    #[error("no answer to {call}")]
-    NoAnswer {
-        /// The URL called.
-        call: String,
-        /// The cause.
-        source: reqwest::Error,
-    },
-    /// The service answered a call with a problem.
-    #[error("the service refused {call}: {detail} (status {status})")]
-    Refused {
-        /// The URL called.
-        call: String,
-        /// The HTTP status.
-        status: u16,
-        /// The problem's detail.
-        detail: String,
-    },
-    /// The training failed or was cancelled.
-    #[error("the training failed: {detail}")]
-    Training {
-        /// The problem's detail.
-        detail: String,
-    },
-    /// The training took too long.
-    #[error("the training did not end within {waited_s} s; the job is {job}")]
-    Endless {
-        /// The job's id.
-        job: String,
-        /// How long it was waited for, in seconds.
-        waited_s: u64,
-    },
+    /// A call went wrong.
+    #[error(transparent)]
+    Client(#[from] ClientError),
     /// The user's folder can't be listed.
     #[error("the folder of pictures can't be used")]
     Pictures {
@@ -156,7 +121,7 @@ pub async fn run(
     pictures_dir: &Path,
     out: &mut dyn Write,
 ) -> Result<DemoSummary, DemoError> {
-    let server = Server::at(base_url)?;
+    let server = Server::at(base_url, None, None)?;
     let sets = match &args.images {
         Some(folder) => vec![own_pictures(folder, out)?],
         None => vec![room_data_set(), object_data_set()],

@@ -6,12 +6,13 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::client::{AnsweredPose, Recognition, Server};
+use super::client::{AnsweredPose, Recognition};
 use super::data_sets::Exemplar;
 use super::drawing::hash;
 use super::files::{replace_folder, write_file};
 use super::turntable::{SIDE_PX, Thing, WITHOUT_POSE, known_things, unknown_things};
 use super::{DemoError, train};
+use crate::client::Server;
 use crate::evaluate::{PoseErrors, Rate};
 use landmarkd_core::angle::angular_distance_deg;
 use landmarkd_core::imaging::encode::png_rgb8;

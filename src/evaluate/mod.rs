@@ -3,7 +3,7 @@
 //!
 //! Works on the core directly, without server or store, on one thread. Rates always come with their number of
 //! trials. A query whose label was not trained (a folder `unknown`, a label `null`) shows no known object. One
-//! file a kind of database: what is asked of a kind differs.
+//! file a kind of database: what is asked of a kind differs. Bags instead of folders go through a service (`bag`).
 
 pub mod depth;
 mod figures;
@@ -29,6 +29,7 @@ pub use figures::{Confusion, PoseErrors, Rate, Times};
 pub use files::{LabelledFile, Skipped, labelled_files};
 pub use landmarks::{Decided, LandmarkEvaluation, Rejection};
 pub use objects::{ObjectEvaluation, ObjectPoses, Poses};
+pub(crate) use options::read_pair;
 
 /// Arguments of `landmarkd evaluate`.
 #[derive(Args, Clone, Debug)]
@@ -36,11 +37,11 @@ pub struct EvaluateArgs {
     /// What the database recognises by: landmarks, or objects (whole pictures, and the pose)
     #[arg(long, value_name = "KIND", default_value = "landmarks", value_parser = kind_of_word)]
     pub kind: Kind,
-    /// Training pictures: TRAIN_DIR/<label>/*.{png,jpg,jpeg,pgm,ppm}; a name NAME__DEGREES.png gives the pose
-    #[arg(value_name = "TRAIN_DIR")]
+    /// Training pictures: TRAIN_DIR/<label>/*.{png,jpg,jpeg,pgm,ppm}; a name NAME__DEGREES.png gives the pose; or a bag
+    #[arg(value_name = "TRAIN_DIR|BAG")]
     pub train_dir: PathBuf,
-    /// Queries: <label>/* likewise (a folder `unknown`: no known object), or a manifest of files and labels
-    #[arg(value_name = "QUERY_DIR|MANIFEST.json")]
+    /// Queries: <label>/* likewise (a folder `unknown`: no known object), a manifest of files and labels, or a bag
+    #[arg(value_name = "QUERY_DIR|MANIFEST.json|BAG")]
     pub queries: PathBuf,
     /// An option of the database, as in PUT /v1/databases: --option interest_points=128 (may be repeated)
     #[arg(long = "option", value_name = "NAME=VALUE")]

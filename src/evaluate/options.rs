@@ -61,7 +61,7 @@ fn patched(base: Options, members: Map<String, Value>) -> Result<Options, serde_
 }
 
 /// The name and the value of `NAME=VALUE`; a value is JSON, or else a word. `None` without `=`.
-pub(super) fn read_pair(pair: &str) -> Option<(&str, Value)> {
+pub(crate) fn read_pair(pair: &str) -> Option<(&str, Value)> {
     let (option, text) = pair.split_once('=')?;
     Some((option, serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))))
 }

@@ -4,11 +4,11 @@ use std::sync::LazyLock;
 
 use bytes::Bytes;
 use landmarkd_core::geometry::{Camera, MapPose};
-use landmarkd_core::localisation::scene::{Exposure, Room, Scene};
+use landmarkd_core::localisation::scene::{Exposure, Room, Scene, poster};
 use serde_json::{Value, json};
 
 use crate::app::{App, form, form_type, pointers};
-use crate::pictures::jpeg;
+use crate::pictures::{jpeg, png};
 
 static ROOM: LazyLock<Scene> =
     LazyLock::new(|| Scene::rooms(&[Room { least_m: [0.0, 0.0], greatest_m: [5.0, 4.0], seed: 3 }]));
@@ -133,4 +133,50 @@ async fn without_poses_there_is_no_pose() {
     app.trained("lab", 2).await;
     let answer = app.recognise("lab", "", crate::pictures::scene_png(1)).await;
     assert_eq!(answer.get("pose"), None);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_poster_of_known_size_is_measured_and_says_where_the_camera_is() {
+    let app = App::start().await;
+    let poster = poster(5, 300, 240);
+    let hangs = MapPose { x_m: 3.0, y_m: 2.0, z_m: 1.0, yaw_deg: 180.0, ..MapPose::default() };
+    let mut room = ROOM.clone();
+    room.hang(&poster, 0.6, &hangs);
+    app.put("/v1/cameras/front", camera()).await.expect(201);
+    let options = json!({"working_size_px": 320});
+    app.put("/v1/databases/lab", json!({"kind": "landmarks", "options": options})).await.expect(201);
+    let parts = [
+        ("image", png(&poster).to_vec()),
+        (
+            "pose",
+            json!({"map": "flat", "x_m": 3, "y_m": 2, "z_m": 1, "yaw_deg": 180}).to_string().into_bytes(),
+        ),
+        ("size_mm", b"600".to_vec()),
+    ];
+    let path = "/v1/databases/lab/exemplars?label=poster";
+    app.post_bytes(path, &form_type(), form(&parts)).await.expect(201);
+    app.train("lab", json!({"calibration": "none"})).await;
+
+    let truth = at(1.6, 1.7, 8.0);
+    let frame = jpeg(&room.photograph(&CAMERA, &truth, &Exposure { noise: 2.0, ..Exposure::default() }));
+    let path = "/v1/databases/lab/recognitions?camera=front";
+    let answer = app.post_bytes(path, "image/jpeg", frame.clone()).await.expect(200);
+    assert_eq!(answer["decision"]["label"], "poster", "{answer:#}");
+    let placement = &answer["instances"][0]["placement"];
+    let seen = truth.optical().inverse().then(&hangs.transform());
+    let found = &placement["T_camera_landmark"];
+    for (axis, truth_m) in seen.translation_m.to_array().into_iter().enumerate() {
+        let off = found["translation_m"][axis].as_f64().unwrap() - truth_m;
+        assert!(off.abs() < 0.02 * seen.translation_m.length(), "{off} m off along {axis}: {placement:#}");
+    }
+    assert_eq!(found["covariance"].as_array().unwrap().len(), 36);
+    assert!(placement["ambiguous"].is_boolean());
+    let pose = &answer["pose"];
+    assert_eq!((&pose["method"], &pose["map"]), (&json!("flat_landmark"), &json!("flat")));
+    let (metres, degrees) = off(pose, &truth);
+    assert!(metres < 0.1 && degrees < 2.0, "{metres} m, {degrees}° off");
+
+    let without = app.post_bytes("/v1/databases/lab/recognitions", "image/jpeg", frame).await.expect(200);
+    assert_eq!(without["instances"][0]["placement"].get("T_camera_landmark"), None);
+    assert_eq!(without["pose"], Value::Null);
 }

@@ -23,7 +23,10 @@ before(async () => {
   browser = await launch();
   await service.call("PUT", "v1/databases/untrained", {json: {kind: "landmarks"}});
   await service.database("rooms", "landmarks", Object.fromEntries(Object.entries(PLACES).map(([label, seed]) => [label, views(seed, 3)])), {viewpoint: "upright"});
+  await service.place("rooms", "ground-floor");
   await service.train("rooms", {viewpoint: "upright", query_points: 120});
+  const {id} = await service.call("POST", "v1/databases/rooms/tracks", {json: {}});
+  for (const seed of Object.values(PLACES)) await service.call("POST", `v1/databases/rooms/tracks/${id}/frames`, {body: frame(seed).png()});
   await service.database("things", "objects", Object.fromEntries(NAMES.map((name) => [name, turntable(name)])), {segment: true});
   await service.call("PUT", "v1/workcells/bench", {json: {database: "things", correspondences: [[40, 40], [440, 60], [240, 320]].map(([x, y]) => ({image_px: [x, y], robot_mm: [200 + x / 2, 150 - y / 2]}))}});
 });
@@ -44,7 +47,8 @@ const PAGES = [
   ["version-places", "#/versions/rooms/2", openAll],
   ["version-things", "#/versions/things/1"],
   ["versions-compared", "#/versions/rooms/2/1"],
-  ["try", "#/try/rooms"],
+  ["try", "#/try/rooms", async (page) => { await page.check("#as-track"); await page.selectOption("#camera", "+"); }],
+  ["tracks", "#/tracks/rooms", async (page) => { await page.locator(".frame-dot").nth(2).waitFor(); await openAll(page); }],
   ["try-recognised", "#/try/rooms", asked(frame(PLACES.kitchen))],
   ["try-unknown", "#/try/rooms", asked(place(77))],
   ["try-pose", "#/try/things", async (page) => { await asked(onTurntable("bracket", 47, 2))(page); await page.locator("#try-dial .views circle").first().waitFor({state: "attached"}); await openAll(page); }],
@@ -72,7 +76,7 @@ for (const [name, address, prepare] of PAGES) {
   test(`the page ${name} keeps nobody out and fits every screen`, () => withTab(browser, service.url, {}, async (page, tab) => {
     await tab.go(address);
     await prepare?.(page);
-    await page.waitForLoadState("networkidle");
+    if (name !== "tracks") await page.waitForLoadState("networkidle"); // that one follows events
     for (const {device, width, height, scheme} of LOOKS) {
       await page.setViewportSize({width, height});
       await page.emulateMedia({colorScheme: scheme});

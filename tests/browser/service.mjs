@@ -77,6 +77,19 @@ export class Service {
     if (options) await this.train(name, options);
   }
 
+  // Gives the exemplars of a database poses on that map: a metre apart by label, 20 cm and 15 degrees within one. Gives them.
+  async place(name, map) {
+    const {items} = await this.call("GET", `v1/databases/${name}/exemplars?limit=1000`);
+    const labels = [...new Set(items.map(({label}) => label))].sort();
+    const placed = [];
+    for (const {id, label} of items) {
+      const before = placed.filter((exemplar) => exemplar.label === label).length;
+      const pose = {map, x_m: labels.indexOf(label), y_m: 0.2 * before, yaw_deg: 90 + 15 * before};
+      placed.push(await this.call("PATCH", `v1/databases/${name}/exemplars/${id}`, {json: {pose}}));
+    }
+    return placed;
+  }
+
   async train(name, options = {}) {
     let job = await this.call("POST", `v1/databases/${name}/trainings`, {json: {options}});
     while (["queued", "running"].includes(job.state)) {

@@ -11,6 +11,7 @@ use landmarkd_core::statistics::quantile;
 const SEEDS: std::ops::Range<u64> = 11..14;
 const POSTERS: usize = 4;
 const FRAMES: usize = 16;
+const LONG_FRAMES: usize = 24;
 const CAMERA: Camera = Camera {
     fx: 525.0,
     fy: 526.0,
@@ -140,21 +141,22 @@ fn plates_are_measured_to_a_hundredth_of_the_distance_and_a_degree_and_a_half() 
 }
 
 #[test]
-#[ignore = "draws and asks 12 frames: for release builds"]
+#[ignore = "draws and asks 24 frames: for release builds"]
 fn where_rays_are_nearly_parallel_both_poses_are_told_and_said_to_be_ambiguous() {
     let room = Gallery::of(SEEDS.start);
     let random = &mut Random::new(SEEDS.start, 911);
-    let (mut answered, mut ambiguous) = (0, 0);
-    for _ in 0..12 {
+    let (mut answered, mut ambiguous, mut wrong) = (0, 0, 0);
+    for _ in 0..LONG_FRAMES {
         // a centimetre wide, six metres away
         let plate = room.asked(&LONG, [5.0, 6.0], [20.0, 45.0], 0.01, random);
         let Some(found) = room.answer(&plate, &LONG, 0.01) else { continue };
         answered += 1;
         ambiguous += usize::from(found.ambiguous);
         let other = found.alternative.as_ref().map_or(f64::INFINITY, |other| off_deg(other, &plate.truth));
-        let best = off_deg(&found.pose, &plate.truth).min(other);
-        assert!(best < 4.0, "{best} degrees: neither is right");
+        let first = off_deg(&found.pose, &plate.truth);
+        assert!(first.min(other) < 4.0, "{first} and {other} degrees: neither is right");
+        wrong += usize::from(!found.ambiguous && first > other);
     }
-    println!("nearly parallel rays: {ambiguous} of {answered} ambiguous");
-    assert!(answered >= 6 && 4 * ambiguous >= 3 * answered, "{ambiguous} of {answered}");
+    println!("nearly parallel rays: {answered} answered, {ambiguous} ambiguous, {wrong} wrong of the others");
+    assert!(2 * answered >= LONG_FRAMES && 2 * ambiguous >= answered && wrong == 0);
 }

@@ -37,6 +37,7 @@ PAGES = [
     "README.md",
     "CONTRIBUTING.md",
     "docs/robots.md",
+    "docs/bags.md",
     "docs/operating.md",
     "clients/python/README.md",
     "clients/typescript/README.md",
@@ -49,11 +50,13 @@ BY_CI = "a step of .ci/run, or of a release, of its own"
 FLEET = "needs PostgreSQL and a bucket; tests/fleet runs a fleet"
 NODE = "needs Node; clients/test.sh does it"
 ROS = "needs ROS 2"
+BAG = "needs a bag; tests/bags writes some"
 BROKER = "needs an MQTT broker; clients/test.sh runs one"
 # How a command begins, by page, and why it isn't run. A block in no language that is run here counts as one command.
 NOT_RUN = {
     "README.md": {"cargo test": BY_CI},
     "CONTRIBUTING.md": {"cargo build": BY_CI, "cargo run": "README.md has it", "just ": BY_CI, ".ci/run": "runs this"},
+    "docs/bags.md": dict.fromkeys(["landmarkd serve", "landmarkd teach", "landmarkd ask", "landmarkd evaluate"], BAG),
     "docs/operating.md": {
         "<data-dir>/lock": "no command",
         "export AWS_ENDPOINT_URL": FLEET,

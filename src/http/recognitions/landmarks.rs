@@ -4,11 +4,12 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::localisation::{PlacePoseBody, Surveyed};
+use super::localisation::{LandmarkPoseBody, PlacePoseBody, Surveyed};
 use super::{Answer, DecisionBody, Drawn, EvidenceBody, ReasonBody, StagesBody, Wanted};
 use crate::http::problem::{Code, Problem};
 use crate::http::stages::StageClock;
 use landmarkd_core::imaging::Frame;
+use landmarkd_core::localisation::PlanarPoses;
 use landmarkd_core::recognition::landmarks::{
     AContrario, AskedFrame, Instance, KeptExemplar, Landmarks, PointVote, Recognition, Stage,
     VerifiedPlacement, annotate,
@@ -116,6 +117,18 @@ pub struct PlacementBody {
     /// From pixels of the exemplar's picture to pixels of the frame, row by row, in homogeneous coordinates; null with
     /// signatures of intensity. `x_px`, `y_px`, `rotation_deg` and `scale` are those of the picture's middle.
     pub homography: Option<[[f64; 3]; 3]>,
+    /// Where the exemplar's picture is before the camera, if its `size_mm` and the frame's camera are known.
+    #[serde(rename = "T_camera_landmark", skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub camera_landmark: Option<LandmarkPoseBody>,
+    /// The other pose that explains what is seen nearly as well, if there is one: tilted the other way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub alternative: Option<LandmarkPoseBody>,
+    /// With `T_camera_landmark`: whether the alternative is about as likely.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false)]
+    pub ambiguous: Option<bool>,
 }
 
 /// Something known that is in the frame.
@@ -143,6 +156,20 @@ impl PlacementBody {
             outline_px: verified.outline_px(exemplar.width_px, exemplar.height_px),
             exemplar: exemplar.id.clone(),
             homography: verified.homography.map(|homography| homography.0),
+            camera_landmark: None,
+            alternative: None,
+            ambiguous: None,
+        }
+    }
+
+    /// The same with its pose on the plane.
+    fn on_plane(self, found: Option<PlanarPoses>) -> Self {
+        let Some(found) = found else { return self };
+        Self {
+            camera_landmark: Some(LandmarkPoseBody::from(&found.pose)),
+            alternative: found.alternative.as_ref().map(LandmarkPoseBody::from),
+            ambiguous: Some(found.ambiguous),
+            ..self
         }
     }
 }
@@ -239,8 +266,7 @@ pub(super) fn answer_among(
     clock.end(FETCH);
     let recognition =
         among.recognise_asked(&chosen.asked, |stage| clock.end(word(stage))).map_err(|_| not_kept())?;
-    let pose = located(surveyed, &among, &recognition, &chosen.asked, clock);
-    let mut answer = rendered(frame, &among, recognition, pose, wanted, clock);
+    let mut answer = located(frame, &among, recognition, Some(&chosen.asked), surveyed, wanted, clock);
     let mut weights = vec![0.0; model.exemplars().len()];
     for (&exemplar, weight) in chosen.exemplars.iter().zip(&answer.exemplar_weights) {
         weights[exemplar] = *weight;
@@ -260,31 +286,38 @@ pub(super) fn answer(
     clock.expect(&STAGES);
     // Points are asked in batches: a stage may come several times.
     let mut finished = |stage| clock.end(word(stage));
-    let asked = if surveyed.has_poses() { model.ask(frame, &mut finished) } else { None };
+    let asked = if surveyed.has_places() { model.ask(frame, &mut finished) } else { None };
     let answered = asked.and_then(|asked| {
         let recognition = model.recognise_asked(&asked, &mut finished).ok()?;
         Some((recognition, asked))
     });
     let Some((recognition, asked)) = answered else {
         let recognition = model.recognise(frame, finished);
-        let pose = surveyed.has_poses().then_some(None);
-        return rendered(frame, model, recognition, pose, wanted, clock);
+        return located(frame, model, recognition, None, surveyed, wanted, clock);
     };
-    let pose = located(surveyed, model, &recognition, &asked, clock);
-    rendered(frame, model, recognition, pose, wanted, clock)
+    located(frame, model, recognition, Some(&asked), surveyed, wanted, clock)
 }
 
-/// Where the frame was taken, if the version's exemplars have poses.
+/// The answer with what is in metres, as far as surveys tell.
 fn located(
-    surveyed: &Surveyed<'_>,
+    frame: &Frame,
     model: &Landmarks,
-    recognition: &Recognition,
-    asked: &AskedFrame<'_>,
+    recognition: Recognition,
+    asked: Option<&AskedFrame<'_>>,
+    surveyed: &Surveyed<'_>,
+    wanted: Wanted,
     clock: &mut StageClock,
-) -> Option<Option<PlacePoseBody>> {
-    let located = surveyed.has_poses().then(|| surveyed.pose(model, recognition, asked));
+) -> Answer {
+    let pose = surveyed.has_poses().then(|| surveyed.pose(model, &recognition, asked, frame));
+    let placement = |verified: &VerifiedPlacement| {
+        PlacementBody::of(verified, model).on_plane(surveyed.plane(model, verified, frame))
+    };
+    let mut answer = rendered(frame, model, recognition, pose, &placement, wanted, clock);
     clock.end(LOCATE);
-    located
+    if let StagesBody::Landmarks(stages) = &mut answer.stages {
+        stages.locate = clock.ms(LOCATE);
+    }
+    answer
 }
 
 fn rendered(
@@ -292,11 +325,12 @@ fn rendered(
     model: &Landmarks,
     recognition: Recognition,
     pose: Option<Option<PlacePoseBody>>,
+    placement: &dyn Fn(&VerifiedPlacement) -> PlacementBody,
     wanted: Wanted,
     clock: &StageClock,
 ) -> Answer {
     let [attention, signature, search, vote, verification] = STAGES.map(|stage| clock.ms(stage));
-    let (fetch, locate) = (clock.ms(FETCH), clock.ms(LOCATE));
+    let fetch = clock.ms(FETCH);
     let point = |vote: &PointVote| {
         let exemplar = &model.exemplars()[vote.exemplar];
         PointBody {
@@ -314,13 +348,13 @@ fn rendered(
         weight: vote.weight,
         share: vote.share,
         points: vote.points as u64,
-        placement: vote.placement.as_ref().map(|verified| PlacementBody::of(verified, model)),
+        placement: vote.placement.as_ref().map(placement),
         evidence: vote.a_contrario.as_ref().map(AContrarioBody::from),
     });
     let instance = |instance: &Instance| InstanceBody {
         label: instance.label.clone(),
         confidence: instance.confidence,
-        placement: PlacementBody::of(&instance.verified, model),
+        placement: placement(&instance.verified),
     };
     let decision = recognition.decision.as_ref();
     let best = recognition.votes.first().filter(|_| decision.is_none());
@@ -361,7 +395,7 @@ fn rendered(
             search,
             vote,
             verification,
-            locate,
+            locate: 0.0,
         }),
         drawn: wanted.drawing.map(|_| {
             let png = annotate(frame, &recognition, model).into_png();

@@ -9,8 +9,10 @@ use crate::http::problem::Problem;
 use crate::http::surveys::camera_for;
 use landmarkd_core::geometry::{Camera, MapPose};
 use landmarkd_core::imaging::{Frame, Header};
-use landmarkd_core::localisation::{PlaceMethod, PlaceView, locate};
-use landmarkd_core::recognition::landmarks::{AgreeingExemplar, AskedFrame, Landmarks, Recognition};
+use landmarkd_core::localisation::{PlaceMethod, PlaceView, PlanarPose, PlanarPoses, locate, located};
+use landmarkd_core::recognition::landmarks::{
+    AgreeingExemplar, AskedFrame, Landmarks, Recognition, VerifiedPlacement,
+};
 
 /// Where the camera is, on the plane of a map.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -33,6 +35,31 @@ pub struct PlacePoseBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(required = false)]
     pub lost: Option<bool>,
+}
+
+/// Where something flat is before the camera.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct LandmarkPoseBody {
+    /// From the camera to the middle of the exemplar's picture, in the camera's optical frame: x right, y down, z forward.
+    pub translation_m: [f64; 3],
+    /// x, y, z, w: from the landmark's frame (x along its normal towards who looks at it, z up) to the optical frame.
+    pub quaternion: [f64; 4],
+    /// Of the translation (m) and of a rotation after that of the quaternion (rad), in the optical frame; row by row.
+    #[schema(min_items = 36, max_items = 36)]
+    pub covariance: Vec<f64>,
+    /// Root mean square of how far its edges are from where they are seen.
+    pub error_px: f64,
+}
+
+impl From<&PlanarPose> for LandmarkPoseBody {
+    fn from(pose: &PlanarPose) -> Self {
+        Self {
+            translation_m: pose.camera_landmark.translation_m.to_array(),
+            quaternion: pose.camera_landmark.rotation.to_array(),
+            covariance: pose.covariance.as_flattened().to_vec(),
+            error_px: pose.error_px,
+        }
+    }
 }
 
 /// What is known beside the pictures.
@@ -66,8 +93,55 @@ impl<'a> Surveyed<'a> {
         self.surveys.values().any(|survey| survey.pose.is_some())
     }
 
-    /// Where the frame was taken; none where the exemplars that agree don't tell.
+    /// Whether frames are located by where exemplars were taken.
+    pub fn has_places(&self) -> bool {
+        self.surveys.values().any(|survey| survey.pose.is_some() && survey.size_mm.is_none())
+    }
+
+    /// Where something flat that was placed on the frame is before the camera; none where its size or the camera isn't known.
+    pub fn plane(&self, model: &Landmarks, placed: &VerifiedPlacement, frame: &Frame) -> Option<PlanarPoses> {
+        let size_mm = self.surveys.get(&model.exemplars()[placed.exemplar].id)?.size_mm?;
+        located(model, placed, size_mm, frame, self.camera.as_ref()?)
+    }
+
+    /// Where the frame was taken: by something flat, or by where the exemplars that agree were taken, whichever tells better.
     pub fn pose(
+        &self,
+        model: &Landmarks,
+        recognition: &Recognition,
+        asked: Option<&AskedFrame<'_>>,
+        frame: &Frame,
+    ) -> Option<PlacePoseBody> {
+        let placed = recognition.instances.iter().map(|instance| instance.verified);
+        let flat = placed.filter_map(|placed| self.pose_by_plane(model, &placed, frame));
+        let place = asked.and_then(|asked| self.pose_by_places(model, recognition, asked));
+        let spread = |pose: &PlacePoseBody| pose.covariance[0] + pose.covariance[4];
+        flat.chain(place).min_by(|a, b| spread(a).total_cmp(&spread(b)))
+    }
+
+    fn pose_by_plane(
+        &self,
+        model: &Landmarks,
+        placed: &VerifiedPlacement,
+        frame: &Frame,
+    ) -> Option<PlacePoseBody> {
+        let id = &model.exemplars()[placed.exemplar].id;
+        let landmark = self.surveys.get(id)?.pose.as_ref()?;
+        let found = self.plane(model, placed, frame).filter(|found| !found.ambiguous)?;
+        let place = found.pose.camera_place(&MapPose::from(landmark), landmark.sigma_m);
+        Some(PlacePoseBody {
+            map: landmark.map.to_string(),
+            x_m: place.x_m,
+            y_m: place.y_m,
+            yaw_deg: place.yaw_deg,
+            covariance: flat(&place.covariance),
+            method: "flat_landmark",
+            support: vec![id.clone()],
+            lost: None,
+        })
+    }
+
+    fn pose_by_places(
         &self,
         model: &Landmarks,
         recognition: &Recognition,

@@ -5,6 +5,7 @@
 //! of the picture. Points of its plane are metres to the right and upwards. Poses are `T_camera_landmark`, from there to the
 //! optical frame of the camera.
 
+use super::pose_filter::PlanePose;
 use crate::eigen::Symmetric;
 use crate::geometry::{Camera, DMat3, DQuat, DVec2, DVec3, MapPose, RigidTransform};
 use crate::recognition::landmarks::Homography;
@@ -12,6 +13,8 @@ use crate::statistics::median;
 
 /// Unknowns of a pose: translation and rotation.
 pub(super) const FREEDOM: usize = 6;
+/// Step of numerical derivatives, m and rad.
+const STEP: f64 = 1e-5;
 /// Rounds of refinement on points.
 const ROUNDS: usize = 20;
 /// Residuals beyond so many standard deviations count nothing (Tukey's biweight, 95 % efficient).
@@ -22,8 +25,12 @@ const MAD_TO_SIGMA: f64 = 1.4826;
 const LEAST_SIGMA_PX: f64 = 0.05;
 /// Solutions nearer than this are one.
 const SAME_RAD: f64 = 0.05;
-/// Twice the log of the odds from which on the better of two solutions is believed: 20 to 1.
-const SURE: f64 = 6.0;
+/// Twice the log of the odds from which on the better of two solutions is believed. Odds of 20 to 1 would be 6; which edges are
+/// found for either is chance too, and makes as much of a difference.
+const SURE: f64 = 20.0;
+
+/// Step of a numerical derivative, m or rad.
+const STEP: f64 = 1e-6;
 
 /// Where a frame shows a point of the landmark's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,9 +66,76 @@ pub struct PlanarPoses {
 }
 
 impl PlanarPose {
+    /// Where the camera is on the plane of a map, if that is the landmark's pose there, known to `sigma_m` along each axis.
+    pub fn camera_place(&self, landmark: &MapPose, sigma_m: f64) -> PlanePose {
+        let place = self.camera_in_map(landmark);
+        // Columns: by how much x, y and heading change with each unknown.
+        let slopes: [[f64; 3]; FREEDOM] = std::array::from_fn(|unknown| {
+            let moved = |by: f64| {
+                let mut step = [0.0; FREEDOM];
+                step[unknown] = by;
+                let [x, y, z, u, v, w] = step;
+                let turn = DQuat::from_scaled_axis(DVec3::new(u, v, w));
+                let camera_landmark = RigidTransform {
+                    rotation: (turn * self.camera_landmark.rotation).normalize(),
+                    translation_m: self.camera_landmark.translation_m + DVec3::new(x, y, z),
+                };
+                PlanarPose { camera_landmark, ..*self }.camera_in_map(landmark)
+            };
+            let (ahead, behind) = (moved(STEP), moved(-STEP));
+            let turned_deg = (ahead.yaw_deg - behind.yaw_deg + 180.0).rem_euclid(360.0) - 180.0;
+            [ahead.x_m - behind.x_m, ahead.y_m - behind.y_m, turned_deg.to_radians()]
+                .map(|off| off / (2.0 * STEP))
+        });
+        let spread = |row: usize, column: usize| -> f64 {
+            let pairs = (0..FREEDOM).flat_map(|i| (0..FREEDOM).map(move |k| (i, k)));
+            pairs.map(|(i, k)| slopes[i][row] * self.covariance[i][k] * slopes[k][column]).sum()
+        };
+        let mut covariance: [[f64; 3]; 3] =
+            std::array::from_fn(|row| std::array::from_fn(|column| spread(row, column)));
+        covariance[0][0] += sigma_m * sigma_m;
+        covariance[1][1] += sigma_m * sigma_m;
+        PlanePose { x_m: place.x_m, y_m: place.y_m, yaw_deg: place.yaw_deg, covariance }
+    }
+
     /// The camera's body in a map, if that is the landmark's pose there.
     pub fn camera_in_map(&self, landmark: &MapPose) -> MapPose {
-        MapPose::of_optical(&landmark.transform().then(&self.camera_landmark.inverse()))
+        in_map(&self.camera_landmark, landmark)
+    }
+
+    /// The same on the map's plane with its covariance, if the landmark's position is known to within `sigma_m` along each
+    /// axis.
+    pub fn camera_on_plane(&self, landmark: &MapPose, sigma_m: f64) -> PlanePose {
+        let MapPose { x_m, y_m, yaw_deg, .. } = self.camera_in_map(landmark);
+        let slopes: [[f64; 3]; FREEDOM] = std::array::from_fn(|axis| {
+            let mut step = [0.0; FREEDOM];
+            step[axis] = STEP;
+            let moved = in_map(&moved(&self.camera_landmark, &step), landmark);
+            let turn_deg = (moved.yaw_deg - yaw_deg + 180.0).rem_euclid(360.0) - 180.0;
+            [moved.x_m - x_m, moved.y_m - y_m, turn_deg.to_radians()].map(|off| off / STEP)
+        });
+        let mut covariance = [[sigma_m * sigma_m, 0.0, 0.0], [0.0, sigma_m * sigma_m, 0.0], [0.0; 3]];
+        for (row, a) in self.covariance.iter().zip(&slopes) {
+            for (between, b) in row.iter().zip(&slopes) {
+                for (i, line) in covariance.iter_mut().enumerate() {
+                    line.iter_mut().zip(b).for_each(|(sum, b)| *sum += a[i] * between * b);
+                }
+            }
+        }
+        PlanePose { x_m, y_m, yaw_deg, covariance }
+    }
+}
+
+fn in_map(camera_landmark: &RigidTransform, landmark: &MapPose) -> MapPose {
+    MapPose::of_optical(&landmark.transform().then(&camera_landmark.inverse()))
+}
+
+/// The pose moved by a translation and then a rotation vector, both in the optical frame.
+fn moved(pose: &RigidTransform, step: &[f64]) -> RigidTransform {
+    let turn = DQuat::from_scaled_axis(DVec3::from_slice(&step[3..]));
+    RigidTransform {
+        rotation: (turn * pose.rotation).normalize(),
+        translation_m: pose.translation_m + DVec3::from_slice(&step[..3]),
     }
 }
 
@@ -85,7 +159,7 @@ pub fn solve(sightings: &[Sighting], camera: &Camera) -> Option<PlanarPoses> {
         });
         seen.flatten().collect()
     };
-    let both = starts(sightings, camera)?.map(|start| refined(start, ROUNDS, |pose, _| rows(pose)));
+    let both = starts(sightings, camera)?.map(|start| refined(start, ROUNDS, |pose, _, _| rows(pose)));
     chosen(both.into_iter().flatten().collect(), 1.0)
 }
 
@@ -94,11 +168,10 @@ pub fn solve(sightings: &[Sighting], camera: &Camera) -> Option<PlanarPoses> {
 pub(super) fn chosen(mut refined: Vec<Refined>, dependence: f64) -> Option<PlanarPoses> {
     let sigma_px = refined.iter().map(|refined| refined.sigma_px).reduce(f64::min)?;
     let asked = refined.iter().map(|refined| refined.offs_px.len()).max()?;
-    // −2 log of the likelihood; what one of them doesn't find at all is as far off as can be
+    // −2 log of the likelihood; what one of them doesn't find costs as much as what it finds
     let cost = |refined: &Refined| {
-        let missing = (asked - refined.offs_px.len()) as f64;
         let found = refined.offs_px.iter().map(|off_px| Biweight::of(off_px / sigma_px).cost);
-        (found.sum::<f64>() + missing * Biweight::of(f64::INFINITY).cost) / dependence
+        found.sum::<f64>() / refined.offs_px.len() as f64 * asked as f64 / dependence
     };
     refined.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     let best = refined.first()?;
@@ -225,7 +298,7 @@ pub(super) struct Row {
 /// A pose at a minimum of the residuals.
 #[derive(Clone, Debug)]
 pub(super) struct Refined {
-    pose: RigidTransform,
+    pub pose: RigidTransform,
     offs_px: Vec<f64>,
     /// Standard deviation of the residuals, by those that agree.
     pub sigma_px: f64,
@@ -244,16 +317,18 @@ impl Refined {
     }
 }
 
-/// Gauss and Newton with Tukey's weights; `None` if the residuals don't determine a pose. `rows` is given the round.
+/// Gauss and Newton with Tukey's weights; `None` if the residuals don't determine a pose. `rows` is given the round, and how
+/// far the residuals of the round before scattered.
 pub(super) fn refined(
     start: RigidTransform,
     rounds: usize,
-    rows: impl Fn(&RigidTransform, usize) -> Vec<Row>,
+    rows: impl Fn(&RigidTransform, usize, f64) -> Vec<Row>,
 ) -> Option<Refined> {
     let mut pose = start;
     let mut end = None;
     for round in 0..rounds {
-        let rows = rows(&pose, round);
+        let sigma_px = end.as_ref().map_or(0.0, |end: &Refined| end.sigma_px);
+        let rows = rows(&pose, round, sigma_px);
         let mut sizes: Vec<f64> = rows.iter().map(|row| row.off_px.abs()).collect();
         let scale_px = (MAD_TO_SIGMA * median(&mut sizes, f64::total_cmp)?).max(LEAST_SIGMA_PX);
         let (mut normal, mut right) = ([0.0; FREEDOM * FREEDOM], [0.0; FREEDOM]);
@@ -287,11 +362,7 @@ pub(super) fn refined(
         }
         let offs_px = rows.iter().map(|row| row.off_px).collect();
         end = Some(Refined { pose, offs_px, sigma_px, inverse });
-        let (move_m, turn) = (DVec3::from_slice(&step[..3]), DVec3::from_slice(&step[3..]));
-        pose = RigidTransform {
-            rotation: (DQuat::from_scaled_axis(turn) * pose.rotation).normalize(),
-            translation_m: pose.translation_m + move_m,
-        };
+        pose = moved(&pose, &step);
         if !(pose.translation_m.is_finite() && pose.translation_m.z > 0.0) {
             return None;
         }
@@ -335,6 +406,25 @@ mod tests {
                 Sighting { plane_m, frame_px: [x + sigma_px * a, y + sigma_px * b] }
             })
             .collect()
+    }
+
+    #[test]
+    fn a_camera_stands_where_its_landmark_says_and_a_turn_of_the_landmark_moves_it_by_its_distance() {
+        let landmark = MapPose { x_m: 2.0, y_m: 3.5, z_m: 1.2, yaw_deg: -80.0, ..MapPose::default() };
+        let camera = MapPose { x_m: 2.3, y_m: 1.5, z_m: 1.1, yaw_deg: 95.0, pitch_deg: 3.0, roll_deg: 1.0 };
+        let camera_landmark = camera.optical().inverse().then(&landmark.transform());
+        let mut covariance = [[0.0; FREEDOM]; FREEDOM];
+        (0..FREEDOM).for_each(|i| covariance[i][i] = if i < 3 { 1e-8 } else { 1e-6 });
+        let pose = PlanarPose { camera_landmark, covariance, error_px: 0.1 };
+        let place = pose.camera_place(&landmark, 0.0);
+        let off = [place.x_m - camera.x_m, place.y_m - camera.y_m, place.yaw_deg - camera.yaw_deg];
+        assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
+        let [x, y, yaw] = [0, 1, 2].map(|i| place.covariance[i][i].sqrt());
+        let distance_m = (landmark.x_m - camera.x_m).hypot(landmark.y_m - camera.y_m);
+        assert!((yaw / 1e-3 - 1.0).abs() < 0.01, "{yaw}");
+        assert!((x.hypot(y) / (1e-3 * distance_m) - 1.0).abs() < 0.05, "{x} {y} at {distance_m} m");
+        let vague = pose.camera_place(&landmark, 0.1);
+        assert!((vague.covariance[0][0] - place.covariance[0][0] - 0.01).abs() < 1e-9);
     }
 
     #[test]
@@ -416,6 +506,28 @@ mod tests {
         let found = pose.camera_in_map(&landmark);
         assert!((found.x_m - 3.0).abs() < 1e-5 && (found.y_m + 1.0).abs() < 1e-5, "{found:?}");
         assert!((found.yaw_deg - 75.0).abs() < 1e-4 && (found.roll_deg + 3.0).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn where_the_camera_stands_is_as_sure_as_its_covariance_says() {
+        const TRIALS: u64 = 200;
+        let camera =
+            MapPose { x_m: 3.0, y_m: -1.0, z_m: 0.8, yaw_deg: 175.0, pitch_deg: 5.0, roll_deg: -3.0 };
+        let landmark = MapPose { x_m: 1.2, y_m: -0.6, z_m: 1.1, yaw_deg: 20.0, ..MapPose::default() };
+        let truth = camera.optical().inverse().then(&landmark.transform());
+        let mut sum = 0.0;
+        for trial in 0..TRIALS {
+            let pose = solve(&seen(&truth, 0.6, &CAMERA, 0.5, trial), &CAMERA).unwrap().pose;
+            let [a, b] = Random::new(trial, 905).normals().map(|normal| 0.02 * normal);
+            let surveyed = MapPose { x_m: landmark.x_m + a, y_m: landmark.y_m + b, ..landmark };
+            let found = pose.camera_on_plane(&surveyed, 0.02);
+            let turn_deg = (found.yaw_deg - 175.0 + 180.0).rem_euclid(360.0) - 180.0;
+            let off = [found.x_m - 3.0, found.y_m + 1.0, turn_deg.to_radians()];
+            let scaled = Symmetric::of(found.covariance.as_flattened(), 3).unwrap().solve(&off);
+            sum += scaled.iter().zip(off).map(|(a, b)| a * b).sum::<f64>() / TRIALS as f64;
+        }
+        println!("mean NEES of 3: {sum:.2}");
+        assert!((2.5..3.6).contains(&sum), "{sum}");
     }
 
     #[test]

@@ -378,7 +378,7 @@ mod tests {
 
         /// One stride: on, and about a circle or back.
         fn stride(&mut self, frame: usize) -> Odometry {
-            let turn_deg = if frame / 20 % 2 == 0 { 9.0 } else { -6.0 };
+            let turn_deg = if (frame / 20).is_multiple_of(2) { 9.0 } else { -6.0 };
             let odometry = Odometry { dx_m: 0.3, dy_m: 0.0, dyaw_deg: turn_deg };
             let ([a, b], [c, _]) = (self.random.normals(), self.random.normals());
             let sigma_m = STILL_M.hypot(WAY_PART * 0.3);
