@@ -1,6 +1,6 @@
 //! Where frames were taken: frames of rendered rooms between exemplars a metre apart, and real pairs of pictures of a room
-//! with their true relative pose (docs/data.md). Parameters were chosen on the first eight pairs, and with seeds 1 and 2 looked
-//! at.
+//! with their true relative pose (docs/data.md). All pairs were looked at while parameters were chosen, and rooms of the seeds
+//! 1 and 2.
 
 use std::path::Path;
 
