@@ -13,8 +13,6 @@ use crate::statistics::median;
 
 /// Unknowns of a pose: translation and rotation.
 pub(super) const FREEDOM: usize = 6;
-/// Step of numerical derivatives, m and rad.
-const STEP: f64 = 1e-5;
 /// Rounds of refinement on points.
 const ROUNDS: usize = 20;
 /// Residuals beyond so many standard deviations count nothing (Tukey's biweight, 95 % efficient).
