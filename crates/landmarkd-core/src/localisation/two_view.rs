@@ -43,6 +43,8 @@ const TURN_ALONE: f64 = 0.8;
 const LEAST_GAIN: f64 = 25.0;
 /// … or where the rotation or the direction may be off by more than this.
 const MOST_SIGMA_RAD: [f64; 2] = [0.16, 0.26];
+/// Where a baseline is seen and its direction isn't determined, the rotation is if it is off by no more than this.
+const ALONE_SIGMA_RAD: f64 = 0.1;
 /// Pairs depend on each other: differences of log-likelihoods count by this part.
 const INDEPENDENT: f64 = 0.4;
 
@@ -52,7 +54,7 @@ pub struct TwoView {
     /// `R_to_from`: takes directions of the first view's optical frame to the second one's.
     pub rotation: DQuat,
     /// Where the first camera lies in the second one's optical frame: direction, of unit length. None where no baseline is
-    /// seen.
+    /// seen, or its direction isn't determined.
     pub direction: Option<DVec3>,
     /// Expected error of the rotation, about all axes together, with what other hypotheses say.
     pub rotation_sigma_rad: f64,
@@ -224,14 +226,15 @@ pub fn relative_pose(pairs: &[PointPair], from: &Camera, to: &Camera) -> Option<
     let rotation_sigma_rad = (variance(0..3) + spread(Motion::turn_to_rad)).sqrt();
     let direction_sigma_rad = (variance(3..5) + spread(Motion::turn_of_direction_rad)).sqrt();
     let is_turn_alone = is_turn_alone(&motion, &rays);
-    let direction_is_known = is_turn_alone || direction_sigma_rad < MOST_SIGMA_RAD[1];
-    if rotation_sigma_rad > MOST_SIGMA_RAD[0] || !direction_is_known {
+    let direction_is_known = direction_sigma_rad < MOST_SIGMA_RAD[1];
+    let most_rad = if direction_is_known || is_turn_alone { MOST_SIGMA_RAD[0] } else { ALONE_SIGMA_RAD };
+    if rotation_sigma_rad > most_rad {
         return None;
     }
     let depths: Vec<f64> = agreeing.iter().map(|&i| rays[i].depth(&motion)).collect();
     Some(TwoView {
         rotation: DQuat::from_mat3(&motion.rotation),
-        direction: (!is_turn_alone).then_some(motion.direction),
+        direction: (direction_is_known && !is_turn_alone).then_some(motion.direction),
         rotation_sigma_rad,
         direction_sigma_rad,
         depth_in_baselines: quantile(&depths, 0.5)?,
