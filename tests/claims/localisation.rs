@@ -103,8 +103,9 @@ fn frames_between_exemplars_a_metre_apart_are_located_to_centimetres() {
     assert!(off_m.len() as u64 >= FRAMES * 95 / 100);
     assert!(at(&off_m, 0.5) <= 0.02 && at(&off_m, 0.95) <= 0.15);
     assert!(at(&off_deg, 0.5) <= 0.2 && at(&off_deg, 0.95) <= 2.0);
-    // the median of χ² of three degrees of freedom is 2.37
-    assert!((1.0..4.0).contains(&at(&normalised, 0.5)));
+    // the median of χ² of three degrees of freedom is 2.37; the covariance holds what models leave, too, and renderings have
+    // none of that
+    assert!((0.3..4.0).contains(&at(&normalised, 0.5)));
 }
 
 /// Pictures of one room, and what is true of their cameras.
