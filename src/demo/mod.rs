@@ -332,7 +332,7 @@ mod tests {
             let (stop, stopped) = oneshot::channel::<()>();
             let server = tokio::spawn(async move {
                 let stopped = async { drop(stopped.await) };
-                serve(&settings, |address| listening.send(address).unwrap(), stopped).await
+                serve(&settings, |address, _| listening.send(address).unwrap(), stopped).await
             });
             let base_url = format!("http://{}", address.await.unwrap());
             let mut printed = Vec::new();

@@ -400,6 +400,7 @@ pub(super) mod tests {
                 label: "kitchen".to_owned(),
                 negative: false,
                 pose_deg: None,
+                survey: None,
                 width_px: 1,
                 height_px: 1,
                 bytes: 1,

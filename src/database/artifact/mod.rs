@@ -575,7 +575,7 @@ mod tests {
             panic!("it is one of landmarks")
         };
         let parts = LandmarkParts::from(&**model);
-        let (header, tensors) = landmarks::header_and_tensors(&parts, report);
+        let (header, tensors) = landmarks::header_and_tensors(&parts, report, &artifact.surveys);
         let tensors = tensors.into_iter().map(owned).collect();
         let mut parts = (serde_json::to_value(header).unwrap(), tensors);
         change(&mut parts);

@@ -128,7 +128,7 @@ impl<'a> Surveyed<'a> {
         let id = &model.exemplars()[placed.exemplar].id;
         let landmark = self.surveys.get(id)?.pose.as_ref()?;
         let found = self.plane(model, placed, frame).filter(|found| !found.ambiguous)?;
-        let place = found.pose.camera_place(&MapPose::from(landmark), landmark.sigma_m);
+        let place = found.pose.camera_on_plane(&MapPose::from(landmark), landmark.sigma_m);
         Some(PlacePoseBody {
             map: landmark.map.to_string(),
             x_m: place.x_m,

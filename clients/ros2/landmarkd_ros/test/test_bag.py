@@ -31,8 +31,8 @@ from landmarkd_ros import images
 __all__ = ["start"]
 
 FRAMES = 18
-SIDE_PX = 480
-CAMERA = Camera(400, 400, 240, 240, SIDE_PX, SIDE_PX)
+SIDE_PX = 320
+CAMERA = Camera(270, 270, 160, 160, SIDE_PX, SIDE_PX)
 TOPICS = {
     "bgr8": "/camera/image_raw",
     "bayer_rggb8": "/raw_camera/image_raw",
@@ -134,7 +134,15 @@ def test_every_picture_of_a_bag_is_answered(
     topic = TOPICS[encoding]
     transport = "compressed" if encoding == "jpeg" else "raw"
     # One by one: the bag's frames jump from room to room.
-    node = start(service.url, database=drive, image_transport=transport, base_frame="base_link", tracked=False)
+    node = start(
+        service.url,
+        database=drive,
+        image_transport=transport,
+        base_frame="base_link",
+        tracked=False,
+        # However busy the machine is.
+        timeout_s=30.0,
+    )
     played = list(messages(bag, topic))
     node_ms, call_ms, cpu_ms = [], [], 0.0
     came = node.topics["detections"].came
@@ -144,7 +152,7 @@ def test_every_picture_of_a_bag_is_answered(
         play(node, at, message)
         if at != topic:
             continue
-        assert came.wait(30), (node.log, values(node))
+        assert came.wait(40), (node.log, values(node))
         node_ms.append(1000 * (time.perf_counter() - asked_s))
         cpu_ms += 1000 * (time.process_time() - cpu_s)
         picture, asked_s = images.picture(message), time.perf_counter()
@@ -175,11 +183,11 @@ def test_every_picture_of_a_bag_is_answered(
 
 
 def test_a_camera_that_is_too_fast_is_counted(start: Start, service: Service, bag: Path, drive: str) -> None:
-    node = start(service.url, database=drive, odom_frame="")
+    node = start(service.url, database=drive, odom_frame="", timeout_s=30.0)
     for at, message in messages(bag, TOPICS["bgr8"]):
         if at == TOPICS["bgr8"]:
             play(node, at, message)
-    waited(lambda: node.health.answered + node.health.dropped == FRAMES, node)
+    waited(lambda: node.health.answered + node.health.dropped == FRAMES, node, 40)
     assert node.health.dropped > 0
     assert published(node, "place")[-1].header.stamp.nanosec == 700_000_000
     assert values(node)["frames_in"] == str(FRAMES)

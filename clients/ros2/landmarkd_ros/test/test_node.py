@@ -36,7 +36,7 @@ def start(monkeypatch: pytest.MonkeyPatch) -> Iterator[Start]:
     made = []
 
     def start(url: str, *transitions: str, **parameters: Any) -> Any:
-        given = {"service": url, "motion": "still", "timeout_s": 2.0, "base_frame": ""} | parameters
+        given = {"service": url, "motion": "still", "timeout_s": 10.0, "base_frame": ""} | parameters
         monkeypatch.setattr(ros.LifecycleNode, "given", given)
         node = LandmarkdNode()
         made.append(node)

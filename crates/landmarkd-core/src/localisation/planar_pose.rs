@@ -64,38 +64,6 @@ pub struct PlanarPoses {
 }
 
 impl PlanarPose {
-    /// Where the camera is on the plane of a map, if that is the landmark's pose there, known to `sigma_m` along each axis.
-    pub fn camera_place(&self, landmark: &MapPose, sigma_m: f64) -> PlanePose {
-        let place = self.camera_in_map(landmark);
-        // Columns: by how much x, y and heading change with each unknown.
-        let slopes: [[f64; 3]; FREEDOM] = std::array::from_fn(|unknown| {
-            let moved = |by: f64| {
-                let mut step = [0.0; FREEDOM];
-                step[unknown] = by;
-                let [x, y, z, u, v, w] = step;
-                let turn = DQuat::from_scaled_axis(DVec3::new(u, v, w));
-                let camera_landmark = RigidTransform {
-                    rotation: (turn * self.camera_landmark.rotation).normalize(),
-                    translation_m: self.camera_landmark.translation_m + DVec3::new(x, y, z),
-                };
-                PlanarPose { camera_landmark, ..*self }.camera_in_map(landmark)
-            };
-            let (ahead, behind) = (moved(STEP), moved(-STEP));
-            let turned_deg = (ahead.yaw_deg - behind.yaw_deg + 180.0).rem_euclid(360.0) - 180.0;
-            [ahead.x_m - behind.x_m, ahead.y_m - behind.y_m, turned_deg.to_radians()]
-                .map(|off| off / (2.0 * STEP))
-        });
-        let spread = |row: usize, column: usize| -> f64 {
-            let pairs = (0..FREEDOM).flat_map(|i| (0..FREEDOM).map(move |k| (i, k)));
-            pairs.map(|(i, k)| slopes[i][row] * self.covariance[i][k] * slopes[k][column]).sum()
-        };
-        let mut covariance: [[f64; 3]; 3] =
-            std::array::from_fn(|row| std::array::from_fn(|column| spread(row, column)));
-        covariance[0][0] += sigma_m * sigma_m;
-        covariance[1][1] += sigma_m * sigma_m;
-        PlanePose { x_m: place.x_m, y_m: place.y_m, yaw_deg: place.yaw_deg, covariance }
-    }
-
     /// The camera's body in a map, if that is the landmark's pose there.
     pub fn camera_in_map(&self, landmark: &MapPose) -> MapPose {
         in_map(&self.camera_landmark, landmark)
@@ -404,25 +372,6 @@ mod tests {
                 Sighting { plane_m, frame_px: [x + sigma_px * a, y + sigma_px * b] }
             })
             .collect()
-    }
-
-    #[test]
-    fn a_camera_stands_where_its_landmark_says_and_a_turn_of_the_landmark_moves_it_by_its_distance() {
-        let landmark = MapPose { x_m: 2.0, y_m: 3.5, z_m: 1.2, yaw_deg: -80.0, ..MapPose::default() };
-        let camera = MapPose { x_m: 2.3, y_m: 1.5, z_m: 1.1, yaw_deg: 95.0, pitch_deg: 3.0, roll_deg: 1.0 };
-        let camera_landmark = camera.optical().inverse().then(&landmark.transform());
-        let mut covariance = [[0.0; FREEDOM]; FREEDOM];
-        (0..FREEDOM).for_each(|i| covariance[i][i] = if i < 3 { 1e-8 } else { 1e-6 });
-        let pose = PlanarPose { camera_landmark, covariance, error_px: 0.1 };
-        let place = pose.camera_place(&landmark, 0.0);
-        let off = [place.x_m - camera.x_m, place.y_m - camera.y_m, place.yaw_deg - camera.yaw_deg];
-        assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
-        let [x, y, yaw] = [0, 1, 2].map(|i| place.covariance[i][i].sqrt());
-        let distance_m = (landmark.x_m - camera.x_m).hypot(landmark.y_m - camera.y_m);
-        assert!((yaw / 1e-3 - 1.0).abs() < 0.01, "{yaw}");
-        assert!((x.hypot(y) / (1e-3 * distance_m) - 1.0).abs() < 0.05, "{x} {y} at {distance_m} m");
-        let vague = pose.camera_place(&landmark, 0.1);
-        assert!((vague.covariance[0][0] - place.covariance[0][0] - 0.01).abs() < 1e-9);
     }
 
     #[test]
