@@ -96,7 +96,7 @@ pub struct DepthSummary {
 
 impl Server {
     /// Adds a training picture to a database.
-    pub async fn add_exemplar(&self, database: &str, exemplar: &Exemplar) -> Result<(), DemoError> {
+    pub(super) async fn add_exemplar(&self, database: &str, exemplar: &Exemplar) -> Result<(), DemoError> {
         let pose_deg = exemplar.pose_deg.map(|pose_deg| pose_deg.to_string());
         let mut query = vec![("label", exemplar.label.as_str())];
         query.extend(pose_deg.as_deref().map(|pose_deg| ("pose_deg", pose_deg)));
@@ -105,7 +105,7 @@ impl Server {
     }
 
     /// What a version recognises in a frame.
-    pub async fn recognise(
+    pub(super) async fn recognise(
         &self,
         database: &str,
         version: u64,
@@ -118,18 +118,27 @@ impl Server {
     }
 
     /// The frame with the evidence drawn on it, a PNG.
-    pub async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
+    pub(super) async fn annotated(&self, database: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
         let call = self.call(Method::POST, &["databases", database, "recognitions"], &[]);
         Ok(self.bytes(with_png(call, png).header("Accept", "image/png")).await?)
     }
 
     /// What lies on a table, by a version of the workcell's database.
-    pub async fn inspect(&self, workcell: &str, version: u64, png: &[u8]) -> Result<Inspection, DemoError> {
+    pub(super) async fn inspect(
+        &self,
+        workcell: &str,
+        version: u64,
+        png: &[u8],
+    ) -> Result<Inspection, DemoError> {
         Ok(self.json(self.inspection(workcell, &[("version", &version.to_string())], png)).await?)
     }
 
     /// The table with the answer about every part drawn on it, a PNG.
-    pub async fn inspection_annotated(&self, workcell: &str, png: &[u8]) -> Result<Vec<u8>, DemoError> {
+    pub(super) async fn inspection_annotated(
+        &self,
+        workcell: &str,
+        png: &[u8],
+    ) -> Result<Vec<u8>, DemoError> {
         Ok(self.bytes(self.inspection(workcell, &[], png).header("Accept", "image/png")).await?)
     }
 
@@ -139,24 +148,28 @@ impl Server {
     }
 
     /// The regions of a picture as a picture of a media type.
-    pub async fn regions(&self, png: &[u8], media_type: &str) -> Result<Vec<u8>, DemoError> {
+    pub(super) async fn regions(&self, png: &[u8], media_type: &str) -> Result<Vec<u8>, DemoError> {
         let call = self.call(Method::POST, &["segmentations"], &[]);
         Ok(self.bytes(with_png(call, png).header("Accept", media_type)).await?)
     }
 
     /// How far off a part the camera at the gripper is.
-    pub async fn centre(&self, workcell: &str, png: &[u8]) -> Result<Centring, DemoError> {
+    pub(super) async fn centre(&self, workcell: &str, png: &[u8]) -> Result<Centring, DemoError> {
         let call = self.call(Method::POST, &["workcells", workcell, "centrings"], &[]);
         Ok(self.json(with_png(call, png)).await?)
     }
 
     /// The summary of the depth map of a near- and a far-focused picture.
-    pub async fn depth_summary(&self, pair: &[Vec<u8>; 2], optics: &str) -> Result<DepthSummary, DemoError> {
+    pub(super) async fn depth_summary(
+        &self,
+        pair: &[Vec<u8>; 2],
+        optics: &str,
+    ) -> Result<DepthSummary, DemoError> {
         Ok(self.json(self.depth_call(pair, optics)).await?)
     }
 
     /// The depth map as a file of a media type.
-    pub async fn depth_map(
+    pub(super) async fn depth_map(
         &self,
         pair: &[Vec<u8>; 2],
         optics: &str,
