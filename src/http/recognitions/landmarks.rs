@@ -376,7 +376,7 @@ fn rendered(
         decision: decision
             .map(|decision| DecisionBody { label: decision.label.clone(), confidence: decision.confidence }),
         warnings: recognition.warnings.iter().map(|warning| warning.code()).collect(),
-        evidence: EvidenceBody::Landmarks(LandmarkEvidence {
+        evidence: EvidenceBody::Landmarks(Box::new(LandmarkEvidence {
             votes: votes.collect(),
             instances: recognition.instances.iter().map(instance).collect(),
             evidence: recognition.a_contrario.as_ref().map(AContrarioBody::from),
@@ -387,7 +387,7 @@ fn rendered(
             points_used: recognition.points_used as u64,
             points_found: recognition.points_found as u64,
             points: wanted.explain.then(|| recognition.points.iter().map(point).collect()),
-        }),
+        })),
         stages: StagesBody::Landmarks(LandmarkStages {
             attention,
             signature,

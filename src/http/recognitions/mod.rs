@@ -125,7 +125,7 @@ impl EvidenceBody {
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum EvidenceBody {
-    Landmarks(LandmarkEvidence),
+    Landmarks(Box<LandmarkEvidence>),
     Objects(ObjectEvidence),
 }
 
