@@ -135,7 +135,22 @@ impl Events {
             }
             kept.first + kept.kept.len() as u64 - 1
         };
-        self.0.last.send_replace(last);
+        // two that publish at once may come here in either order
+        self.0.last.send_if_modified(|told| {
+            let is_newer = last > *told;
+            *told = last.max(*told);
+            is_newer
+        });
+    }
+
+    /// Forgets what is kept: not all that happens was told from here on.
+    pub fn forget(&self) {
+        let mut kept = self.kept();
+        // One number more: it stands for what was not told.
+        kept.first += kept.kept.len() as u64 + 1;
+        kept.kept.clear();
+        kept.bytes = 0;
+        self.0.last.send_replace(kept.first - 1);
     }
 
     /// One more follower, unless there are `most`.
@@ -157,10 +172,11 @@ impl Events {
     }
 
     /// What is kept of what came after the cursor, each with its own; and whether some of it is gone. What another process
-    /// numbered is taken as if nothing was seen.
+    /// numbered, or nobody did, is taken as if nothing was seen.
     pub fn after(&self, cursor: Cursor) -> (Vec<(Cursor, Arc<Event>)>, bool) {
         let kept = self.kept();
-        let is_ours = cursor.began_ms == self.0.began_ms;
+        let next = kept.first + kept.kept.len() as u64;
+        let is_ours = cursor.began_ms == self.0.began_ms && cursor.number < next;
         let from = if is_ours { cursor.number + 1 } else { 1 };
         let began_ms = self.0.began_ms;
         let numbered = (kept.first..).zip(&kept.kept).filter(|(number, _)| *number >= from);
@@ -201,8 +217,22 @@ mod tests {
         assert!(events.after(start).1, "the first one is gone");
         let of_another = Cursor { began_ms: 0, ..seen };
         assert!(events.after(of_another).1);
+        let beyond = Cursor { number: u64::MAX, ..seen };
+        assert!(events.after(beyond).1);
         events.publish(event(MOST_KEPT_BYTES));
         assert_eq!(events.after(start).0.len(), 1, "bytes are bounded too");
+    }
+
+    #[test]
+    fn who_comes_back_after_a_stretch_that_was_not_told_is_told_so() {
+        let events = Events::default();
+        events.publish(event(1));
+        let seen = events.now();
+        events.forget();
+        assert_eq!((events.after(seen).0.len(), events.after(seen).1), (0, true));
+        let now = events.now();
+        events.publish(event(1));
+        assert_eq!((events.after(now).0.len(), events.after(now).1), (1, false));
     }
 
     #[test]

@@ -74,7 +74,7 @@ fn sha256_hex(bytes: &[u8]) -> String {
 
 impl Databases {
     /// Keeps a training image: its bytes first, then its row; `true` when it is new. The same bytes with the same
-    /// label and turntable pose again give the exemplar that is there, with the new survey if there is any.
+    /// label and turntable pose again give the exemplar that is there, with what the new survey says over its own.
     ///
     /// # Errors
     /// [`DatabaseError::UnknownDatabase`], or the error of a store that is unavailable.
@@ -104,12 +104,19 @@ impl Databases {
             stamp: new.header.stamp,
             created_at: Timestamp::UNIX_EPOCH,
         };
-        self.catalogue.insert_exemplar(&row).await.map_err(|error| match error {
+        let inserted = self.catalogue.insert_exemplar(&row).await;
+        let (kept, created) = inserted.map_err(|error| match error {
             CatalogueError::NotFound { .. } => {
                 DatabaseError::UnknownDatabase { database: database.to_string() }
             }
             error => error.into(),
-        })
+        })?;
+        match created {
+            true => Ok((kept, true)),
+            false => {
+                Ok((self.change_survey(database, id, |before| new.survey.clone().over(before)).await?, false))
+            }
+        }
     }
 
     /// One exemplar.

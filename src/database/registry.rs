@@ -18,7 +18,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use super::artifact::outline::{self, ExemplarPlace, OutlineHeader};
 use super::artifact::{self, Artifact, ArtifactError};
 use super::kept_exemplars::{ExemplarCache, KeptExemplars, ReadExemplars};
-use super::survey::Surveys;
+use super::survey::{Surveys, bytes_of};
 use super::{CURRENT, DatabaseError, Databases, Model, Name, VersionRow};
 use crate::compute::{Compute, Lane};
 use crate::store::{AliasTarget, BlobError, BlobName, Blobs, Catalogue, InvalidBlobName};
@@ -345,7 +345,7 @@ impl Registry {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
         let kept = KeptExemplars::new(self.blobs.clone(), name, places, Arc::clone(&self.residency.cache));
-        let bytes = model.bytes() + kept.bytes();
+        let bytes = model.bytes() + kept.bytes() + bytes_of(&surveys);
         let (database, kept) = (database.into(), Some(kept));
         Ok(Arc::new(LoadedVersion { database, version, digest: found, model, surveys, kept, bytes }))
     }
@@ -412,7 +412,7 @@ impl Registry {
         if found != digest {
             return Err(unloadable(format!("its artifact is that of digest {found}, not {digest}")));
         }
-        let bytes = model.bytes();
+        let bytes = model.bytes() + bytes_of(&surveys);
         let (database, kept) = (database.into(), None);
         Ok(Arc::new(LoadedVersion { database, version, digest: found, model, surveys, kept, bytes }))
     }

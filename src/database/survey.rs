@@ -127,6 +127,12 @@ impl From<&Camera> for CameraDocument {
 /// The surveys of exemplars by their ids, of those that have any.
 pub type Surveys = BTreeMap<String, Survey>;
 
+/// Memory that they take, about.
+pub fn bytes_of(surveys: &Surveys) -> u64 {
+    let id_and_map = 2 * 36;
+    (surveys.len() * (size_of::<(String, Survey)>() + id_and_map)) as u64
+}
+
 /// Those of these exemplars.
 ///
 /// # Errors
@@ -169,6 +175,15 @@ impl Survey {
             .map_err(|source| DatabaseError::UnreadableSurvey { exemplar: row.id.to_string(), source })
     }
 
+    /// This survey; what it doesn't say is taken from `other`.
+    pub fn over(self, other: Self) -> Self {
+        Self {
+            pose: self.pose.or(other.pose),
+            camera: self.camera.or(other.camera),
+            size_mm: self.size_mm.or(other.size_mm),
+        }
+    }
+
     /// The text that is kept; none of an empty one.
     pub fn to_document(&self) -> Option<String> {
         let is_empty = *self == Self::default();
@@ -182,22 +197,29 @@ pub fn is_size(size_mm: f64) -> bool {
 }
 
 impl Databases {
-    /// Replaces the survey of an exemplar. It is in force from the next training on.
+    /// Changes the survey of an exemplar; `change` is called again if somebody else changed it meanwhile. It is in force from
+    /// the next training on.
     ///
     /// # Errors
-    /// [`DatabaseError::UnknownExemplar`].
-    pub async fn set_survey(
+    /// [`DatabaseError::UnknownExemplar`], [`DatabaseError::UnreadableSurvey`].
+    pub async fn change_survey(
         &self,
         database: &Name,
         id: Uuid,
-        survey: &Survey,
+        change: impl Fn(Survey) -> Survey,
     ) -> Result<ExemplarRow, DatabaseError> {
-        let text = survey.to_document();
-        let row = self.catalogue.set_exemplar_survey(database.as_str(), id, text.as_deref()).await?;
-        row.ok_or_else(|| DatabaseError::UnknownExemplar {
-            database: database.to_string(),
-            exemplar: id.to_string(),
-        })
+        loop {
+            let row = self.exemplar(database, id).await?;
+            let text = change(Survey::of(&row)?).to_document();
+            if text == row.survey {
+                return Ok(row);
+            }
+            let (before, after) = (row.survey.as_deref(), text.as_deref());
+            let changed = self.catalogue.change_exemplar_survey(database.as_str(), id, before, after).await?;
+            if let Some(changed) = changed {
+                return Ok(changed);
+            }
+        }
     }
 }
 

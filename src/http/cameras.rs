@@ -97,7 +97,7 @@ fn checked(camera: CameraDocument, at: &str) -> Result<CameraDocument, Problem> 
 /// Keep a camera's intrinsics; those of that name are replaced. Exemplars that named it before keep what it was.
 #[utoipa::path(
     put, operation_id = "put_camera",
-    path = "/v1/cameras/{name}", tag = "cameras", security(("key" = ["contribute"])), params(CameraPath), request_body = CameraDocument,
+    path = "/v1/cameras/{name}", tag = "cameras", security(("key" = ["train"])), params(CameraPath), request_body = CameraDocument,
     responses(
         (status = 201, body = KeptCameraBody, description = "Kept"),
         (status = 200, body = KeptCameraBody, description = "It was there, and is replaced"),
@@ -144,7 +144,7 @@ pub async fn get(
 /// Delete a camera. Exemplars that named it keep its intrinsics.
 #[utoipa::path(
     delete, operation_id = "delete_camera",
-    path = "/v1/cameras/{name}", tag = "cameras", security(("key" = ["contribute"])), params(CameraPath),
+    path = "/v1/cameras/{name}", tag = "cameras", security(("key" = ["train"])), params(CameraPath),
     responses((status = 204, description = "Gone"))
 )]
 pub async fn delete(

@@ -30,6 +30,10 @@ use crate::events::{Cursor, Event, EventKind};
 const MOST_FOLLOWERS: usize = 64;
 /// Time between two looks at what is served and at the jobs.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
+/// So long jobs are watched for those who come back.
+const LINGER: SignedDuration = SignedDuration::from_mins(5);
+/// Most changes of jobs that are read at once.
+const JOB_EVENTS_PAGE: usize = 1000;
 /// So long a change of a job may take to be seen.
 const OVERLAP: SignedDuration = SignedDuration::from_secs(2);
 
@@ -110,6 +114,7 @@ pub fn decided(service: &Service, recognition: &RecognitionBody, track: Option<U
 pub async fn watch(service: Service) {
     let mut served = service.databases.registry().states();
     let (mut looked_at, mut told) = (Timestamp::now(), HashSet::new());
+    let mut followed_at = None;
     loop {
         tokio::time::sleep(LOOK_EVERY).await;
         let now = service.databases.registry().states();
@@ -117,14 +122,26 @@ pub async fn watch(service: Service) {
             tell_versions(&service, &served, &now);
         }
         served = now;
-        if !service.events.are_followed() {
-            (looked_at, told) = (Timestamp::now(), HashSet::new());
-            continue;
+        if service.events.are_followed() {
+            followed_at = Some(Timestamp::now());
+        }
+        match followed_at {
+            Some(at) if at + LINGER >= Timestamp::now() => {}
+            _ => {
+                // Who comes back after longer is told that some were missed.
+                if followed_at.take().is_some() {
+                    service.events.forget();
+                }
+                (looked_at, told) = (Timestamp::now(), HashSet::new());
+                continue;
+            }
         }
         // With the catalogue away they are told later.
         let Ok(rows) = service.jobs.events_since(looked_at).await else { continue };
-        // A change of a longer transaction may come behind a newer one.
-        looked_at = rows.last().map_or(looked_at, |row| looked_at.max(row.created_at - OVERLAP));
+        // A change of a longer transaction may come behind a newer one; a page that is full says nothing of what is behind it.
+        let newest = rows.last().map_or(looked_at, |row| row.created_at);
+        let is_full = rows.len() >= JOB_EVENTS_PAGE;
+        looked_at = if is_full { newest.max(looked_at) } else { looked_at.max(newest - OVERLAP) };
         let before = std::mem::replace(&mut told, rows.iter().map(|row| (row.job, row.sequence)).collect());
         for row in rows.into_iter().filter(|row| !before.contains(&(row.job, row.sequence))) {
             tell_job(&service, row);
@@ -249,6 +266,7 @@ fn follow(service: Service, after: Cursor) -> impl Stream<Item = Sent> {
     let batches = stream::unfold(after, move |after| {
         let (events, mut shutdown) = (service.events.clone(), service.shutdown.clone());
         async move {
+            let now = events.now();
             let (mut found, mut lost) = events.after(after);
             if found.is_empty() && !lost {
                 tokio::select! {
@@ -256,7 +274,7 @@ fn follow(service: Service, after: Cursor) -> impl Stream<Item = Sent> {
                     _ = shutdown.wait_for(|stop| *stop) => return None,
                 }
             }
-            let next = found.last().map_or_else(|| events.now(), |(cursor, _)| *cursor);
+            let next = found.last().map_or(now, |(cursor, _)| *cursor);
             let lost = lost.then_some(Sent::Lost);
             let found = found.into_iter().map(|(cursor, event)| Sent::Event(cursor, event));
             Some((stream::iter(lost.into_iter().chain(found)), next))

@@ -184,7 +184,7 @@ impl Batch<'_> {
         if let Some(camera) = &survey.camera {
             camera_for(camera, (row.width_px, row.height_px), "/camera")?;
         }
-        self.service.databases.set_survey(self.database, id, &survey).await?;
+        self.service.databases.change_survey(self.database, id, |before| survey.clone().over(before)).await?;
         Ok(())
     }
 
@@ -274,7 +274,7 @@ impl Batch<'_> {
         // Raw entries: long names come as entries of their own, which are read here under a limit.
         let mut entries = archive.entries_raw().map_err(|error| self.broken_archive(&error))?;
         let mut long_name = None;
-        let (mut answer, mut table) = (BatchBody::default(), PoseTable::default());
+        let (mut answer, mut table) = (BatchBody::default(), PoseTable::new(limits.max_batch_parts));
         while let Some(entry) = body::in_time(limits.body_timeout, entries.next()).await? {
             let mut entry = entry.map_err(|error| self.broken_archive(&error))?;
             let kind = entry.header().entry_type();

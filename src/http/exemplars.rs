@@ -16,7 +16,7 @@ use super::extract::{Json as JsonIn, Path, Query, from_value};
 use super::pages::{Page, Paging};
 use super::paths::DatabasePath;
 use super::problem::{FieldError, Problem};
-use super::surveys::{self, SurveyIn, SurveyPatch, camera_for};
+use super::surveys::{SurveyChange, SurveyIn, SurveyPatch, camera_for};
 use super::uploads::{OnePicture, Picture, RobotHeader};
 use super::{Service, put_status};
 use crate::access::Caller;
@@ -408,12 +408,14 @@ pub async fn patch(
 ) -> Result<Json<ExemplarBody>, Problem> {
     let database = service.databases.get(&path.database).await?;
     let row = service.databases.exemplar(&path.database, path.id).await?;
-    let survey = surveys::patched(&service, Survey::of(&row)?, members).await?;
-    let survey = surveyable(&database, survey, row.negative, "/")?;
-    if let Some(camera) = &survey.camera {
+    let change = SurveyChange::read(&service, members).await?;
+    surveyable(&database, change.on(Survey::default()), row.negative, "/")?;
+    if let Some(Some(camera)) = &change.camera {
         camera_for(camera, (row.width_px, row.height_px), "/camera")?;
     }
-    Ok(Json(service.databases.set_survey(&path.database, path.id, &survey).await?.try_into()?))
+    let changed =
+        service.databases.change_survey(&path.database, path.id, |before| change.on(before)).await?;
+    Ok(Json(changed.try_into()?))
 }
 
 /// The picture of a training image, byte for byte as it was sent.

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::cameras::CameraReference;
 use super::problem::{Code, Problem};
 use super::surveys::SurveyIn;
+use super::uploads::too_many_parts;
 use crate::database::Name;
 use crate::database::survey::MapPoseDocument;
 
@@ -32,17 +33,24 @@ struct Row {
 }
 
 /// What an archive's table says of its pictures, by their paths in it.
-#[derive(Default)]
 pub struct PoseTable {
     rows: HashMap<PathBuf, SurveyIn>,
+    /// Most rows of all tables of an archive.
+    most_rows: usize,
 }
 
 impl PoseTable {
-    /// Reads a table that lies at `path` of an archive, with the rows of those before.
+    /// One without rows, for so many.
+    pub fn new(most_rows: usize) -> Self {
+        Self { rows: HashMap::new(), most_rows }
+    }
+
+    /// Reads a table that lies at `path` of an archive, beside the rows of those before: all of it, or nothing.
     ///
     /// # Errors
-    /// 422 with the line at fault.
+    /// 422 with the line at fault, 413 for too many rows.
     pub fn read(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+        let mut rows = HashMap::new();
         let folder = plain(path.parent().unwrap_or(Path::new("")));
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
         let wrong = |line: u64, text: String| {
@@ -57,6 +65,9 @@ impl PoseTable {
                 };
                 wrong(line, text)
             })?;
+            if self.rows.len() + rows.len() >= self.most_rows {
+                return Err(too_many_parts(self.most_rows));
+            }
             let pose = match (row.map, row.x_m, row.y_m, row.yaw_deg) {
                 (Some(map), Some(x_m), Some(y_m), Some(yaw_deg)) => Some(MapPoseDocument {
                     map,
@@ -68,7 +79,11 @@ impl PoseTable {
                     roll_deg: row.roll_deg.unwrap_or(0.0),
                     sigma_m: row.sigma_m.unwrap_or(MapPoseDocument::DEFAULT_SIGMA_M),
                 }),
-                (None, None, None, None) => None,
+                (None, None, None, None)
+                    if row.z_m.or(row.pitch_deg).or(row.roll_deg).or(row.sigma_m).is_none() =>
+                {
+                    None
+                }
                 _ => {
                     let text = format!("{:?} has only some of map, x_m, y_m and yaw_deg", row.file);
                     return Err(Problem::new(Code::InvalidField, format!("{FILE_NAME}: {text}")));
@@ -76,8 +91,14 @@ impl PoseTable {
             };
             let camera = row.camera.map(CameraReference::Name);
             let survey = SurveyIn { pose, camera, size_mm: row.size_mm };
-            self.rows.insert(folder.join(plain(&row.file)), survey);
+            let file = folder.join(plain(&row.file));
+            if rows.contains_key(&file) {
+                let text = format!("{FILE_NAME} names {:?} twice", row.file);
+                return Err(Problem::new(Code::InvalidField, text));
+            }
+            rows.insert(file, survey);
         }
+        self.rows.extend(rows);
         Ok(())
     }
 
@@ -105,7 +126,7 @@ mod tests {
 
     #[test]
     fn rows_are_found_by_their_files_beside_the_table() {
-        let mut table = PoseTable::default();
+        let mut table = PoseTable::new(10);
         let text = "file,map,x_m,y_m,yaw_deg,size_mm\nhall/a.jpg, lab ,1,2,90,\n./hall/b.jpg,,,,,210\n";
         table.read(Path::new("./set/poses.csv"), text.as_bytes()).unwrap();
         let pose = table.take(Path::new("set/hall/a.jpg")).pose.unwrap();
@@ -120,8 +141,11 @@ mod tests {
             ("file,map,x_m,y_m,yaw_deg\na.jpg,lab,1,2,90\nb.jpg,lab,x,2,90\n", "line 3"),
             ("file,map,x_m,y_m,yaw_deg\na.jpg,lab,1,,90\n", "only some"),
             ("file,lat\na.jpg,1\n", "unknown field `lat`"),
+            ("file,z_m\na.jpg,1\n", "only some"),
+            ("file,size_mm\na.jpg,1\n./a.jpg,2\n", "twice"),
+            ("file,size_mm\na.jpg,1\nb.jpg,2\nc.jpg,2\n", "at most 2"),
         ] {
-            let problem = PoseTable::default().read(Path::new(FILE_NAME), text.as_bytes()).unwrap_err();
+            let problem = PoseTable::new(2).read(Path::new(FILE_NAME), text.as_bytes()).unwrap_err();
             assert!(problem.detail.contains(says), "{}", problem.detail);
         }
     }

@@ -100,39 +100,53 @@ pub struct SurveyPatch {
     size_mm: Option<f64>,
 }
 
-/// The survey with the members of a change.
-///
-/// # Errors
-/// Every member that is unknown, misshapen or impossible, or a camera that isn't there.
-pub async fn patched(
-    service: &Service,
-    before: Survey,
-    members: Map<String, Value>,
-) -> Result<Survey, Problem> {
-    let mut survey = before;
-    let mut faults = Vec::new();
-    for (name, value) in members {
-        match name.as_str() {
-            "pose" => survey.pose = member("pose", value, &mut faults),
-            "size_mm" => survey.size_mm = member("size_mm", value, &mut faults),
-            "camera" => {
-                let camera: Option<CameraReference> = member("camera", value, &mut faults);
-                survey.camera = match camera {
-                    Some(camera) => Some(camera.resolved(service, "/camera").await?),
-                    None => None,
-                };
+/// A change, read: of each member none where it stays, else what it becomes.
+#[derive(Default)]
+pub struct SurveyChange {
+    pose: Option<Option<MapPoseDocument>>,
+    pub camera: Option<Option<CameraDocument>>,
+    size_mm: Option<Option<f64>>,
+}
+
+impl SurveyChange {
+    /// As a request has it.
+    ///
+    /// # Errors
+    /// Every member that is unknown, misshapen or impossible, or a camera that isn't there.
+    pub async fn read(service: &Service, members: Map<String, Value>) -> Result<Self, Problem> {
+        let (mut change, mut faults) = (Self::default(), Vec::new());
+        for (name, value) in members {
+            match name.as_str() {
+                "pose" => change.pose = Some(member("pose", value, &mut faults)),
+                "size_mm" => change.size_mm = Some(member("size_mm", value, &mut faults)),
+                "camera" => {
+                    let camera: Option<CameraReference> = member("camera", value, &mut faults);
+                    change.camera = Some(match camera {
+                        Some(camera) => Some(camera.resolved(service, "/camera").await?),
+                        None => None,
+                    });
+                }
+                _ => faults.push(FieldError {
+                    pointer: format!("/{name}"),
+                    detail: "is no member that can be changed: pose, camera and size_mm are".into(),
+                }),
             }
-            _ => faults.push(FieldError {
-                pointer: format!("/{name}"),
-                detail: "is no member that can be changed: pose, camera and size_mm are".into(),
-            }),
+        }
+        if !faults.is_empty() {
+            return Err(Problem::fields(faults));
+        }
+        checked(&change.on(Survey::default()), "/")?;
+        Ok(change)
+    }
+
+    /// The survey with this change.
+    pub fn on(&self, before: Survey) -> Survey {
+        Survey {
+            pose: self.pose.clone().unwrap_or(before.pose),
+            camera: self.camera.unwrap_or(before.camera),
+            size_mm: self.size_mm.unwrap_or(before.size_mm),
         }
     }
-    if !faults.is_empty() {
-        return Err(Problem::fields(faults));
-    }
-    checked(&survey, "/")?;
-    Ok(survey)
 }
 
 fn member<T: for<'de> Deserialize<'de>>(name: &str, value: Value, faults: &mut Vec<FieldError>) -> Option<T> {

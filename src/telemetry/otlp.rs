@@ -18,12 +18,15 @@ use opentelemetry_sdk::metrics::{PeriodicReader, SdkMeterProvider};
 use opentelemetry_sdk::propagation::TraceContextPropagator;
 use opentelemetry_sdk::trace::SdkTracerProvider;
 use prometheus::proto::{Metric, MetricFamily, MetricType};
+use tokio_util::task::AbortOnDropHandle;
 use tracing::Span;
 use tracing_opentelemetry::{OpenTelemetryLayer, OpenTelemetrySpanExt};
 use tracing_subscriber::registry::LookupSpan;
 
 /// Longest time that the collector may take over one export.
 const TIMEOUT: Duration = Duration::from_secs(10);
+/// Time between two looks for metrics that are new.
+const OBSERVE_EVERY: Duration = Duration::from_secs(10);
 /// The service, to whoever collects.
 const NAME: &str = env!("CARGO_PKG_NAME");
 
@@ -73,7 +76,7 @@ impl HttpClient for Client {
 pub struct Otlp {
     endpoint: String,
     traces: SdkTracerProvider,
-    metrics: Option<SdkMeterProvider>,
+    metrics: Option<(SdkMeterProvider, AbortOnDropHandle<()>)>,
 }
 
 impl Otlp {
@@ -117,8 +120,8 @@ impl Otlp {
             .map_err(|source| OtlpError::Exporter { endpoint: self.endpoint.clone(), source })?;
         let reader = PeriodicReader::builder(exporter).build();
         let provider = SdkMeterProvider::builder().with_resource(resource()).with_reader(reader).build();
-        observe(&provider, registry);
-        self.metrics = Some(provider);
+        let observing = tokio::spawn(observe_all(provider.clone(), registry.clone()));
+        self.metrics = Some((provider, AbortOnDropHandle::new(observing)));
         Ok(())
     }
 }
@@ -127,7 +130,7 @@ impl Drop for Otlp {
     fn drop(&mut self) {
         // A collector that is away is no reason to fail.
         let _ = self.traces.shutdown();
-        if let Some(metrics) = &self.metrics {
+        if let Some((metrics, _)) = &self.metrics {
             let _ = metrics.shutdown();
         }
     }
@@ -146,10 +149,18 @@ fn client() -> Result<Client, OtlpError> {
     Ok(Client { runtime: tokio::runtime::Handle::current(), client })
 }
 
-/// An instrument for each metric of the registry, read from it whenever it is exported.
-fn observe(provider: &SdkMeterProvider, registry: &prometheus::Registry) {
-    let meter = provider.meter(NAME);
+/// Observes metrics as they appear: a registry has none of those with labels before they were counted once.
+async fn observe_all(provider: SdkMeterProvider, registry: prometheus::Registry) {
     let mut named = HashSet::new();
+    loop {
+        observe(&provider, &registry, &mut named);
+        tokio::time::sleep(OBSERVE_EVERY).await;
+    }
+}
+
+/// An instrument for each metric of the registry that has none, read from it whenever it is exported.
+fn observe(provider: &SdkMeterProvider, registry: &prometheus::Registry, named: &mut HashSet<String>) {
+    let meter = provider.meter(NAME);
     for family in registry.gather() {
         let (name, help) = (family.name().to_owned(), family.help().to_owned());
         if !named.insert(name.clone()) {

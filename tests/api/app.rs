@@ -169,7 +169,11 @@ impl App {
     }
 
     /// The text of an endless answer, up to where it is enough.
-    pub async fn read_stream(&self, request: Request<Body>, is_enough: impl Fn(&str) -> bool) -> String {
+    pub async fn read_stream(&self, mut request: Request<Body>, is_enough: impl Fn(&str) -> bool) -> String {
+        if let Some(key) = &self.key {
+            let value = format!("Bearer {key}").parse().unwrap();
+            request.headers_mut().insert(header::AUTHORIZATION, value);
+        }
         let response = self.router.clone().oneshot(request).await.unwrap();
         assert_eq!(response.status(), 200);
         let (mut body, mut text) = (response.into_body(), String::new());

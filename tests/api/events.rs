@@ -65,12 +65,27 @@ async fn decisions_versions_and_jobs_are_told_and_a_stream_resumes() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_key_follows_what_it_reaches() {
     let mut app = App::start().await;
-    app.close().await;
-    app.create("lab").await;
-    app.create("attic").await;
+    let (admin, _) = app.close().await;
+    app.trained("lab", 1).await;
+    app.trained("attic", 1).await;
     let (robot, _) = app.make_key(json!({"name": "r", "scope": "recognise", "databases": ["lab"]})).await;
+    let ask = async |database: &str| {
+        let path = format!("/v1/databases/{database}/recognitions");
+        app.post_png(&path, scene_png(1)).await.expect(200);
+    };
+    let start = read(&app, "?kind=decision", None, 1);
+    let (first, ()) = tokio::join!(start, async {
+        crate::waits::until("somebody follows", async || app.is_followed()).await;
+        ask("attic").await;
+    });
+    ask("attic").await;
+    ask("lab").await;
+    // From the same place on the confined key sees what is about its own database alone.
     app.use_key(Some(&robot));
+    let told = read(&app, "?kind=decision", Some(&first[0].0), 1).await;
+    assert_eq!(told.iter().map(|(_, _, data)| &data["database"]).collect::<Vec<_>>(), ["lab"]);
     app.get("/v1/events?database=attic").await.expect_problem(403, "not_allowed");
+    app.use_key(Some(&admin));
 }
 
 #[tokio::test(flavor = "multi_thread")]

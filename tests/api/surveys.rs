@@ -77,6 +77,8 @@ async fn the_same_picture_with_another_pose_moves_and_without_one_stays() {
     assert_eq!((&moved["id"], &moved["pose"]), (&first["id"], &pose(2.0)));
     let same = app.post_png(&format!("{EXEMPLARS}?label=hall"), scene_png(1)).await.expect(200);
     assert_eq!(same["pose"], pose(2.0));
+    let sized = app.post_png(&format!("{EXEMPLARS}?label=hall&size_mm=100"), scene_png(1)).await.expect(200);
+    assert_eq!((&sized["pose"], &sized["size_mm"]), (&pose(2.0), &json!(100.0)));
 
     let path = format!("{EXEMPLARS}/{}", first["id"].as_str().unwrap());
     let patch = async |body: Value| app.patch(&path, body).await;

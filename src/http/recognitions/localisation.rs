@@ -82,7 +82,9 @@ impl<'a> Surveyed<'a> {
     ) -> Result<Self, Problem> {
         let stored = (header.width_px, header.height_px);
         // a file that lies on its side was turned when it was decoded
-        let is_turned = (frame.width() > frame.height()) != (stored.0 > stored.1);
+        let part = |(width, height): (u32, u32)| (f64::from(width) / f64::from(height)).ln();
+        let shown = (frame.width() as f64 / frame.height() as f64).ln();
+        let is_turned = (shown - part(stored)).abs() > (shown + part(stored)).abs() + 1e-9;
         let size_px = if is_turned { (stored.1, stored.0) } else { stored };
         let camera = camera.map(|camera| camera_for(camera, size_px, "#camera")).transpose()?;
         Ok(Self { surveys, camera })

@@ -146,7 +146,7 @@ impl Catalogue {
         statement!(self, c => cameras::find(c, name).await)
     }
 
-    /// Workcells by name.
+    /// Cameras by name.
     ///
     /// # Errors
     /// `Unavailable`, `Corrupt`.

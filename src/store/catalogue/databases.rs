@@ -100,8 +100,7 @@ impl Catalogue {
         statement!(self, c => databases::counts(c, name).await)
     }
 
-    /// Adds an exemplar, or gives the existing one of that database and id, with `false`: unchanged, but for the survey if the
-    /// new one has any.
+    /// Adds an exemplar, or gives the existing one of that database and id unchanged, with `false`.
     ///
     /// Its blob must be stored before.
     ///
@@ -111,17 +110,18 @@ impl Catalogue {
         transaction!(self, c => exemplars::insert(c, row).await)
     }
 
-    /// Replaces the survey of an exemplar, and gives it; none when there is none of that id.
+    /// Replaces the survey of an exemplar if it is still `before`, and gives it; none when it isn't, or there is none of that id.
     ///
     /// # Errors
     /// `Unavailable`, `Corrupt`.
-    pub async fn set_exemplar_survey(
+    pub async fn change_exemplar_survey(
         &self,
         database: &str,
         id: Uuid,
-        survey: Option<&str>,
+        before: Option<&str>,
+        after: Option<&str>,
     ) -> Result<Option<ExemplarRow>, CatalogueError> {
-        transaction!(self, c => exemplars::set_survey(c, database, id, survey).await)
+        transaction!(self, c => exemplars::change_survey(c, database, id, before, after).await)
     }
 
     /// The exemplar of that id.

@@ -30,12 +30,16 @@ pub async fn an_exemplar_is_inserted_once_and_read_back_whole(catalogue: Shared)
     assert_eq!(catalogue.insert_exemplar(&other).await.unwrap(), (stored.clone(), false));
     let without = ExemplarRow { survey: None, ..full.clone() };
     assert_eq!(catalogue.insert_exemplar(&without).await.unwrap(), (stored.clone(), false));
-    let elsewhere = ExemplarRow { survey: Some(r#"{"size_mm":297.0}"#.to_owned()), ..full.clone() };
-    let (moved, created) = catalogue.insert_exemplar(&elsewhere).await.unwrap();
-    assert_eq!((&moved.survey, created), (&elsewhere.survey, false));
-    let cleared = catalogue.set_exemplar_survey("lab", full.id, None).await.unwrap();
+    let before = full.survey.as_deref();
+    let change = async |id, from: Option<&str>, to| {
+        catalogue.change_exemplar_survey("lab", id, from, to).await.unwrap()
+    };
+    assert_eq!(change(full.id, None, Some("{}")).await, None, "somebody else has changed it");
+    let cleared = change(full.id, before, None).await;
     assert_eq!(cleared, Some(ExemplarRow { survey: None, ..stored }));
-    assert_eq!(catalogue.set_exemplar_survey("lab", Uuid::from_u128(8), None).await.unwrap(), None);
+    let again = change(full.id, None, before).await.unwrap();
+    assert_eq!(again.survey.as_deref(), before);
+    assert_eq!(change(Uuid::from_u128(8), None, None).await, None);
     assert_eq!(catalogue.exemplar("lab", Uuid::from_u128(8)).await.unwrap(), None);
 }
 

@@ -98,22 +98,15 @@ impl ExemplarFilter {
     }
 }
 
-/// Adds an exemplar, or gives the existing one of that database and id, with `false`: unchanged, but for the survey if the
-/// new one has any. Errors: `NotFound` for the database.
+/// Adds an exemplar, or gives the existing one of that database and id unchanged, with `false`. Errors: `NotFound` for
+/// the database.
 pub async fn insert(
     connection: &mut Connection<'_>,
     new: &ExemplarRow,
 ) -> Result<(ExemplarRow, bool), CatalogueError> {
     loop {
         if let Some(existing) = find(connection, &new.database, new.id).await? {
-            if new.survey.is_none() || new.survey == existing.survey {
-                return Ok((existing, false));
-            }
-            match set_survey(connection, &new.database, new.id, new.survey.as_deref()).await? {
-                Some(surveyed) => return Ok((surveyed, false)),
-                // deleted meanwhile
-                None => continue,
-            }
+            return Ok((existing, false));
         }
         databases::lock_against_deletion(connection, &new.database).await?;
         // No row when another transaction inserted the exemplar meanwhile: the next turn finds that one.
@@ -147,18 +140,23 @@ pub async fn insert(
     }
 }
 
-/// Replaces the survey of an exemplar, and gives it; none when there is none of that id.
-pub async fn set_survey(
+/// Replaces the survey of an exemplar if it is still `before`, and gives it; none when it isn't, or there is none of that id.
+pub async fn change_survey(
     connection: &mut Connection<'_>,
     database: &str,
     id: Uuid,
-    survey: Option<&str>,
+    before: Option<&str>,
+    after: Option<&str>,
 ) -> Result<Option<ExemplarRow>, CatalogueError> {
     connection
-        .query("UPDATE exemplars SET survey = $3 WHERE database = $1 AND id = $2 RETURNING *")
+        .query(
+            "UPDATE exemplars SET survey = $4 WHERE database = $1 AND id = $2 AND coalesce(survey, '') = coalesce($3, '')
+             RETURNING *",
+        )
         .bind(database)
         .bind_id(id)
-        .bind(survey)
+        .bind(before)
+        .bind(after)
         .fetch_optional()
         .await
 }

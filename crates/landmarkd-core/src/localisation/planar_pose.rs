@@ -13,6 +13,8 @@ use crate::statistics::median;
 
 /// Unknowns of a pose: translation and rotation.
 pub(super) const FREEDOM: usize = 6;
+/// An eigenvalue of the normal equations below this part of the largest determines nothing.
+const UNDETERMINED: f64 = 1e-13;
 /// Rounds of refinement on points.
 const ROUNDS: usize = 20;
 /// Residuals beyond so many standard deviations count nothing (Tukey's biweight, 95 % efficient).
@@ -321,7 +323,12 @@ pub(super) fn refined(
         let sigma_px = (squares * weights * rows_per_degree).sqrt() / growth;
         let sigma_px = sigma_px.max(LEAST_SIGMA_PX);
         let mut inverse = [[0.0; FREEDOM]; FREEDOM];
-        for (value, vector) in eigen.values.iter().zip(&eigen.vectors).filter(|(value, _)| **value > 0.0) {
+        // a direction that nothing determines: no pose
+        let largest = eigen.values.iter().fold(0.0_f64, |most, value| most.max(*value));
+        if eigen.values.iter().any(|value| !(*value > UNDETERMINED * largest)) {
+            return None;
+        }
+        for (value, vector) in eigen.values.iter().zip(&eigen.vectors) {
             for (row, a) in inverse.iter_mut().zip(vector) {
                 row.iter_mut().zip(vector).for_each(|(sum, b)| *sum += a * b / value);
             }

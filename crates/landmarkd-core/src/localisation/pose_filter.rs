@@ -139,9 +139,9 @@ impl PoseFilter {
         for particle in &mut self.particles {
             let ([x, y], [turn, _]) = (self.random.normals(), self.random.normals());
             let (dx_m, dy_m) = (motion.dx_m + sigma_m * x, motion.dy_m + sigma_m * y);
-            // half of the turn before the way, half after it
+            // the way is told in the frame before the turn
             let turn_rad = turn_rad + sigma_rad * turn;
-            let (sin, cos) = (particle.state.z + 0.5 * turn_rad).sin_cos();
+            let (sin, cos) = particle.state.z.sin_cos();
             particle.state += DVec3::new(cos * dx_m - sin * dy_m, sin * dx_m + cos * dy_m, turn_rad);
         }
     }
@@ -364,6 +364,29 @@ fn turned(yaw_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::MapPose;
+
+    #[test]
+    fn a_drive_told_step_by_step_ends_where_its_motions_lead() {
+        let mut filter = PoseFilter::new(3);
+        let start = MapPose { x_m: 2.0, y_m: 3.0, yaw_deg: 20.0, ..MapPose::default() };
+        filter.update(&PlanePose {
+            x_m: 2.0,
+            y_m: 3.0,
+            yaw_deg: 20.0,
+            covariance: [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 1e-5]],
+        });
+        let step = MapPose { x_m: 0.3, y_m: 0.1, yaw_deg: 40.0, ..MapPose::default() };
+        let mut truth = start.transform();
+        for _ in 0..5 {
+            truth = truth.then(&step.transform());
+            filter.predict(Some(&Odometry { dx_m: 0.3, dy_m: 0.1, dyaw_deg: 40.0 }));
+        }
+        let (truth, told) = (MapPose::of(&truth), filter.estimate().unwrap().pose);
+        let off_m = (told.x_m - truth.x_m).hypot(told.y_m - truth.y_m);
+        let turned = turned((told.yaw_deg - truth.yaw_deg).to_radians()).to_degrees();
+        assert!(off_m < 0.05 && turned.abs() < 3.0, "{off_m} m and {turned} degrees off");
+    }
 
     /// A robot that walks in a hall, in strides of 0.3 m, and the odometry that it posts.
     struct Walk {
@@ -385,7 +408,7 @@ mod tests {
             let turn_rad = turn_deg.to_radians();
             let sigma_rad = STILL_RAD.hypot(TURN_PART * turn_rad).hypot(TURN_RAD_PER_M * 0.3);
             let turn = turn_rad + sigma_rad * c;
-            let (sin, cos) = (self.state.z + 0.5 * turn).sin_cos();
+            let (sin, cos) = self.state.z.sin_cos();
             let (dx, dy) = (0.3 + sigma_m * a, sigma_m * b);
             self.state += DVec3::new(cos * dx - sin * dy, sin * dx + cos * dy, turn);
             odometry
