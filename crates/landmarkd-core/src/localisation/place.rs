@@ -87,20 +87,31 @@ const TYPICAL_DEPTH_M: f64 = 3.0;
 const SAME_PLACE_M: f64 = 3.0;
 const SAME_VIEW_RAD: f64 = 1.0;
 const PLACE_SIGMA_M: f64 = 0.7;
+/// Another place that chance explains hardly oftener (log₁₀) may be the one as well.
+const RIVAL_EVIDENCE: f64 = 1.0;
 const VIEW_SIGMA_RAD: f64 = 0.35;
 
 /// Where a frame was taken; `camera` is the frame's. None where the views don't tell.
 pub fn locate(views: &[PlaceView<'_>], camera: Option<&Camera>) -> Option<PlacePose> {
     let mut order: Vec<usize> = (0..views.len()).collect();
     order.sort_by(|&a, &b| views[b].evidence.total_cmp(&views[a].evidence)); // stable
-    let by_points = camera.and_then(|camera| {
-        let calibrated = order.iter().copied().filter(|&i| views[i].camera.is_some());
-        let seen: Vec<usize> = calibrated.take(MOST_VIEWS).collect();
-        triangulated(views, &seen, camera)
-            .map(with_model_error)
-            .or_else(|| seen.iter().find_map(|&i| bearing(views, i, camera)))
-    });
-    by_points.or_else(|| mean(views, &order))
+    let calibrated = order.iter().copied().filter(|&i| views[i].camera.is_some());
+    let seen: Vec<usize> = calibrated.take(MOST_VIEWS).collect();
+    let by_points = camera.and_then(|camera| triangulated(views, &seen, camera));
+    if by_points.is_some() || has_rival(views, &order) {
+        return by_points.map(with_model_error);
+    }
+    let by_one = camera.and_then(|camera| seen.iter().find_map(|&i| bearing(views, i, camera)));
+    by_one.or_else(|| mean(views, &order))
+}
+
+/// Whether another place agrees about as well as the likeliest: one of them alone would tell too much.
+fn has_rival(views: &[PlaceView<'_>], order: &[usize]) -> bool {
+    let Some(best) = order.first().map(|&index| &views[index]) else { return false };
+    order.iter().map(|&index| &views[index]).any(|view| {
+        let apart_m = (view.pose.x_m - best.pose.x_m).hypot(view.pose.y_m - best.pose.y_m);
+        apart_m > SAME_PLACE_M && view.evidence > best.evidence - RIVAL_EVIDENCE
+    })
 }
 
 /// A view's rays, and where they start from.
@@ -555,6 +566,20 @@ mod tests {
     use super::super::two_view::tests::{CAMERA, normals, pairs, room};
     use super::*;
     use crate::random::Random;
+
+    #[test]
+    fn of_places_that_look_alike_none_is_told() {
+        let view = |x_m: f64, evidence: f64| PlaceView {
+            pose: MapPose { x_m, ..MapPose::default() },
+            sigma_m: 0.05,
+            camera: None,
+            evidence,
+            correspondences: &[],
+        };
+        assert_eq!(locate(&[view(0.0, 10.0), view(30.0, 9.9)], None), None);
+        let sure = locate(&[view(0.0, 10.0), view(30.0, 4.0), view(1.0, 9.0)], None).unwrap();
+        assert!(sure.x_m < 1.0 && sure.method == PlaceMethod::Exemplars, "{sure:?}");
+    }
 
     /// Exemplars of a room, and a frame of it.
     struct Trial {
