@@ -6,6 +6,9 @@ Needs the program (LANDMARKD_BINARY), `rosbags`, `mcap` and `mcap-ros2-support`;
 import json
 import re
 import subprocess
+import time
+import urllib.error
+import urllib.request
 
 import pytest
 import world
@@ -13,7 +16,7 @@ from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 from service import BINARY, Service, environment, make_key
 
-LENGTH_M = 16
+LENGTH_M = 8
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +28,7 @@ def folder(tmp_path_factory):
 def taught_bag(folder):
     """Two seconds of waiting, and three blurred pictures."""
     path = folder / "teach"
-    world.write_with_rosbags(path, world.drive(LENGTH_M, wait=10, blurred={31, 32, 60}))
+    world.write_with_rosbags(path, world.drive(LENGTH_M, wait=10, blurred={21, 22, 40}))
     return path
 
 
@@ -57,6 +60,14 @@ def taught(taught_bag, service):
     return run("teach", taught_bag, "--database", "hall", "--server", service.url, "--pose-topic", "/odom")
 
 
+def requests_status(url):
+    try:
+        with urllib.request.urlopen(url, timeout=10) as answer:
+            return answer.status
+    except urllib.error.HTTPError as refused:
+        return refused.code
+
+
 def count(pattern, text):
     found = re.search(pattern, text)
     assert found, text
@@ -65,8 +76,8 @@ def count(pattern, text):
 
 def test_what_is_not_worth_teaching_is_left_out_and_counted(taught):
     # a picture each 0.2 m; one each 0.6 m is taught, and the first of those that show a waiting robot
-    assert "90 pictures on /camera/image_raw/compressed" in taught
-    assert 26 <= count(r"(\d+) pictures taught", taught) <= 28
+    assert "50 pictures on /camera/image_raw/compressed" in taught
+    assert 12 <= count(r"(\d+) pictures taught", taught) <= 15
     assert 1 <= count(r"(\d+) blurred", taught) <= 3
     assert count(r"(\d+) without a pose", taught) == 0
     assert "by way of /tf" in taught
@@ -86,7 +97,7 @@ def test_answers_are_held_against_the_bag_and_written_for_others(taught, asked_b
         "ask", asked_bag, "--database", "hall", "--server", service.url, "--pose-topic", "/odom", "--out", out, "--draw"
     )
     asked = count(r"asked +(\d+)", told)
-    assert asked == 79
+    assert asked == 39
     answered = count(r"answered +[\d.]+ \((\d+) of", told)
     assert answered >= 0.9 * asked, told
     assert count(r"or beside it +[\d.]+ \((\d+) of", told) >= 0.95 * answered, told
@@ -96,13 +107,13 @@ def test_answers_are_held_against_the_bag_and_written_for_others(taught, asked_b
         by_topic.setdefault(message.channel.topic, []).append(message.ros_msg)
     for topic in ("image/compressed", "drawn/compressed", "outlines", "detections", "decision", "true_pose"):
         assert len(by_topic[f"/landmarkd/{topic}"]) == asked, topic
-    detection = by_topic["/landmarkd/detections"][40].detections[0]
+    detection = by_topic["/landmarkd/detections"][20].detections[0]
     assert detection.results[0].hypothesis.class_id.startswith("hall_")
-    outline = by_topic["/landmarkd/outlines"][40].points[0]
+    outline = by_topic["/landmarkd/outlines"][20].points[0]
     assert outline.type == 2
     assert len(outline.points) == 4
     decisions = {message.data for message in by_topic["/landmarkd/decision"]}
-    assert {f"hall_{column}_0" for column in range(1, 7)} <= decisions
+    assert {f"hall_{column}_0" for column in range(1, 3)} <= decisions
     true_pose = by_topic["/landmarkd/true_pose"][10]
     # the camera stands 0.1 m ahead of the base, and looks to the left
     assert abs(true_pose.pose.position.x - 2.17) < 0.02
@@ -131,8 +142,8 @@ def test_raw_pictures_of_each_encoding_are_taught_with_poses_out_of_order(encodi
 
 def test_bags_are_evaluated_without_a_service(taught_bag, asked_bag):
     figures = json.loads(run("evaluate", taught_bag, asked_bag, "--pose-topic", "/odom", "--json"))
-    assert figures["asked"] == 79
-    assert figures["answered"] >= 70
+    assert figures["asked"] == 39
+    assert figures["answered"] >= 34
     assert figures["near"]["rate"] >= 0.95
 
 
@@ -167,6 +178,11 @@ def test_a_key_that_may_train_is_enough(taught_bag, tmp_path):
     running = Service(tmp_path / "data")
     try:
         admin, reader = (make_key(running.folder, scope) for scope in ("admin", "recognise"))
+        # A key made beside a running service is noticed a moment later; until then nobody is asked for one.
+        deadline = time.monotonic() + 60
+        while requests_status(f"{running.url}/v1/info") != 401:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
         words = ("teach", taught_bag, "--database", "keyed", "--server", running.url, "--label", "hall")
         assert "status 403" in run(*words, key=reader, fails=True)
         assert "version 1" in run(*words, key=admin)
