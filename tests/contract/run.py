@@ -7,7 +7,7 @@
 The first starts the binary on a folder of its own and fills it with a database of each kind, a calibration, a workcell, a
 track and jobs, so that paths with parameters lead somewhere. So many test cases an operation, the same in every run; with
 --seconds it goes on with others until the time is over. Every call carries a key of scope admin.
-The second asks every operation of the document without a key: 401 everywhere but at /livez and /readyz.
+The second asks every operation of the document without a key: 401 everywhere but at the health.
 """
 
 import argparse
@@ -27,7 +27,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import pictures  # noqa: E402
 
-OPEN = {"/livez", "/readyz"}
+OPEN = {"/livez", "/readyz", "/v2/health/live", "/v2/health/ready"}
 
 
 class Service:
