@@ -325,7 +325,7 @@ pub(super) fn refined(
         let mut inverse = [[0.0; FREEDOM]; FREEDOM];
         // a direction that nothing determines: no pose
         let largest = eigen.values.iter().fold(0.0_f64, |most, value| most.max(*value));
-        if eigen.values.iter().any(|value| !(*value > UNDETERMINED * largest)) {
+        if !eigen.values.iter().all(|value| *value > UNDETERMINED * largest) {
             return None;
         }
         for (value, vector) in eigen.values.iter().zip(&eigen.vectors) {
